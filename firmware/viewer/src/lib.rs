@@ -1,0 +1,3 @@
+//! What the device does with a rho-grid, whatever the board.
+#![no_std]
+#![forbid(unsafe_code)]

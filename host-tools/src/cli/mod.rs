@@ -1,0 +1,31 @@
+//! The command line: one file a command, nothing but flags, calls and printing.
+
+use clap::{Parser, Subcommand};
+
+use crate::failure::Outcome;
+
+/// Bakes 3D models for a microcontroller's flash and draws them with its code
+#[derive(Parser, Debug)]
+#[command(
+    name = "rho",
+    version,
+    arg_required_else_help = true,
+    propagate_version = true
+)]
+pub struct Rho {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {}
+
+impl Rho {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// Whatever the command ends with; see [`crate::failure::Exit`].
+    pub fn run(self) -> Outcome {
+        match self.command {}
+    }
+}

@@ -1,0 +1,7 @@
+//! Everything of rho-grid that runs on the PC: the library behind the `rho` command.
+#![forbid(unsafe_code)]
+
+pub mod cli;
+pub mod failure;
+pub mod mesh;
+pub mod view;

@@ -1,0 +1,1 @@
+//! What shows only when the parts run together: see `tests/`.
