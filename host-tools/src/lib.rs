@@ -1,7 +1,11 @@
 //! Everything of rho-grid that runs on the PC: the library behind the `rho` command.
 #![forbid(unsafe_code)]
 
+pub mod blob_file;
 pub mod cli;
 pub mod failure;
 pub mod mesh;
+pub mod palette;
+pub mod quantise;
+pub mod render;
 pub mod view;

@@ -50,6 +50,10 @@ type Point = [i64; 3];
     long_running_const_eval,
     reason = "about fifteen thousand square roots, once, at compile time"
 )]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
 const fn faces() -> [[i16; 3]; OCTANT] {
     let one = 1 << 30;
     let mut faces = [[0; 3]; OCTANT];
@@ -109,6 +113,10 @@ const fn unit(v: Point) -> Point {
     ]
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
 const fn max_abs(v: Point) -> i64 {
     let mut most = 0;
     let mut axis = 0;

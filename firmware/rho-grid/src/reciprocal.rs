@@ -52,6 +52,10 @@ impl Reciprocal for Table {
     }
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
 const fn knots() -> [u32; 514] {
     let mut knots = [0; 514];
     let mut i = 0;
