@@ -3,5 +3,7 @@
 
 pub mod cli;
 pub mod failure;
+pub mod geometry;
 pub mod mesh;
+pub mod sampling;
 pub mod view;
