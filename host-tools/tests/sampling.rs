@@ -92,10 +92,13 @@ fn grow(mesh: &Mesh, sequence: &[u8], separation: Separation) -> Tree {
         .unwrap()
 }
 
+/// The tables of Duguet & Drettakis 2003 print 26k and 230k nodes. The leaves were counted
+/// once more by clipping triangles against boxes; the counts hold for boxes larger or smaller
+/// by 1e-8, so no rounding decides them.
 #[test]
 fn the_bunny_has_the_cells_of_the_papers_table() {
     let bunny = scan("bunny.ply.gz");
-    for (levels, leaves, nodes) in [(4, 22_459, 25_170), (5, 202_420, 227_590)] {
+    for (levels, leaves, nodes) in [(4, 22_459, 25_170), (5, 202_421, 227_591)] {
         let tree = grow(&bunny, &[3; 5][..levels], Separation::TwentySix);
         assert_eq!((tree.leaves(), tree.nodes()), (leaves, nodes));
     }

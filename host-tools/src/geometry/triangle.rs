@@ -102,9 +102,16 @@ fn shadow<const U: usize, const V: usize>(
         let reach = (u.abs() + v.abs()) * (subcells.half() + ROUNDING);
         *axis = (u, v, pa.min(pb).min(pc) - reach, pa.max(pb).max(pc) + reach);
     }
-    for s in range[0].0..range[0].1 {
-        for t in range[1].0..range[1].1 {
-            let (cu, cv) = (subcells.centres(U)[s], subcells.centres(V)[t]);
+    let centres = |axis, (from, to): (usize, usize)| {
+        subcells
+            .centres(axis)
+            .iter()
+            .enumerate()
+            .take(to)
+            .skip(from)
+    };
+    for (s, &cu) in centres(U, range[0]) {
+        for (t, &cv) in centres(V, range[1]) {
             meets[s][t] = axes.iter().all(|&(u, v, low, high)| {
                 let at = u * cu + v * cv;
                 low <= at && at <= high

@@ -22,17 +22,18 @@
 //! the mean of the leaves' normals and colours would shade with less noise from afar (and
 //! Botsch et al. 2002 average). It could be had here from the children's samples, bottom up.
 
+mod tree;
+
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::failure::{Failure, Outcome};
 use crate::geometry::Geometry;
-use crate::geometry::cells::{Cell, MAX_RHO, Subcells, bits};
+use crate::geometry::cells::{Cell, Subcells, bits};
 
-/// The most cells an axis that a tree may have.
-pub const MAX_CELLS: u32 = 4096;
+pub use tree::{MAX_CELLS, Separation, Sequence, Tree, TreeLevel, TreeSample};
 
 /// Cells an axis from which on subtrees are not divided among threads any more.
 const TASKS: u32 = 9;
@@ -43,114 +44,6 @@ const CHUNK: usize = 16_384;
 /// Memory while sampling, in bytes a node: the sample and its share of masks, twice, since
 /// subtrees are copied together at the end.
 const NODE_BYTES: u64 = 2 * (size_of::<TreeSample>() + size_of::<u128>() / 8) as u64;
-
-/// Which cells count as leaves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Separation {
-    /// Every cell that the surface meets, faces included (26-separating; the paper's).
-    #[default]
-    TwentySix,
-    /// Cells whose central cross, three segments from face to face, the surface meets
-    /// (6-separating, "thin"; Huang, Yagel, Filippov & Kurzion 1998): some 40 % fewer.
-    Six,
-}
-
-/// How often each level cuts its cells, from the root down.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Sequence(Vec<u8>);
-
-impl Sequence {
-    /// From the root's subdivision to that of the leaves' parents.
-    ///
-    /// # Errors
-    /// When it is empty, when a subdivision is not 2 to 5, or when there would be more than
-    /// [`MAX_CELLS`] cells an axis.
-    pub fn new(subdivisions: &[u8]) -> Outcome<Self> {
-        let fail = |message: String| {
-            Err(Failure::input(message).help(format!(
-                "give one subdivision a level, each 2 to {MAX_RHO}, with a product of at most \
-                 {MAX_CELLS}, such as 3,3,3,3,3 or 2,3,3,3,3"
-            )))
-        };
-        if subdivisions.is_empty() {
-            return fail("no subdivision is given".to_owned());
-        }
-        let mut cells = 1_u32;
-        for &rho in subdivisions {
-            if !(2..=MAX_RHO).contains(&rho) {
-                return fail(format!("a cell cannot be subdivided by {rho}"));
-            }
-            cells *= u32::from(rho);
-            if cells > MAX_CELLS {
-                return fail(format!(
-                    "the subdivisions make more than {MAX_CELLS} cells an axis"
-                ));
-            }
-        }
-        Ok(Self(subdivisions.to_vec()))
-    }
-
-    /// One a level, each 2 to 5.
-    #[must_use]
-    pub fn as_slice(&self) -> &[u8] {
-        &self.0
-    }
-
-    /// Leaf cells along an axis: the product.
-    #[must_use]
-    pub fn cells(&self) -> u32 {
-        self.0.iter().copied().map(u32::from).product()
-    }
-}
-
-/// What a grid keeps of the surface in one cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TreeSample {
-    /// Of length 1, as the surface has it at the point nearest the cell's centre.
-    pub normal: Vec3,
-    /// From the cell's centre along `normal` to the tangent plane at that point, in sides of
-    /// the cell; not clamped (a leaf's is within 0.87 where the surface is flat).
-    pub offset: f32,
-    /// sRGB.
-    pub colour: [u8; 3],
-}
-
-/// One level of a [`Tree`], breadth first.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TreeLevel {
-    /// One a node.
-    pub samples: Vec<TreeSample>,
-    /// One a node: bit i + rho j + rho^2 k says that subcell (x = i, y = j, z = k) exists.
-    /// Empty at the leaves.
-    pub masks: Vec<u128>,
-}
-
-/// A hierarchy of samples. A level holds the children of the first node of the level above
-/// in the order of their bits, then those of the second: the place of a node's first child
-/// is the number of bits set in the masks before its own.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tree {
-    /// How often each level's cells are cut, from the root down.
-    pub sequence: Vec<u8>,
-    /// Which cells are leaves.
-    pub separation: Separation,
-    /// One more than `sequence` has: first the root alone, last the leaves.
-    pub levels: Vec<TreeLevel>,
-}
-
-impl Tree {
-    /// Cells of the finest level.
-    #[must_use]
-    pub fn leaves(&self) -> usize {
-        self.levels.last().map_or(0, |level| level.samples.len())
-    }
-
-    /// Cells of all levels, the root and the leaves among them.
-    #[must_use]
-    pub fn nodes(&self) -> usize {
-        self.levels.iter().map(|level| level.samples.len()).sum()
-    }
-}
 
 /// How to sample.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -464,5 +357,210 @@ impl<'a, 'b, G: Geometry + ?Sized> Task<'a, 'b, G> {
             return Err(TooLarge);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::triangles::Triangles;
+    use crate::mesh::Mesh;
+
+    /// A sphere of radius 0.5, finer than the cells of the tests.
+    fn sphere() -> Mesh {
+        const STEPS: u32 = 48;
+        let turn = |i: u32, n: u32| f64::from(i) / f64::from(n) * std::f64::consts::TAU;
+        let mut mesh = Mesh::default();
+        for i in 0..=STEPS {
+            for j in 0..=2 * STEPS {
+                let (polar, round) = (0.5 * turn(i, STEPS), turn(j, 2 * STEPS));
+                let normal = DVec3::new(
+                    polar.sin() * round.sin(),
+                    polar.cos(),
+                    polar.sin() * round.cos(),
+                );
+                mesh.positions.push(0.5 * normal);
+                mesh.normals.push(normal);
+                mesh.colours.push([i as u8, j as u8, 7]);
+                if i > 0 && j > 0 {
+                    let [a, b, c, d] = [0, 1, 2 * STEPS + 1, 2 * STEPS + 2]
+                        .map(|back| mesh.positions.len() as u32 - 1 - back);
+                    mesh.triangles.extend([[d, b, a], [d, a, c]]);
+                }
+            }
+        }
+        mesh
+    }
+
+    fn sampling(sequence: &str, separation: Separation) -> Sampling {
+        Sampling {
+            sequence: sequence.parse().unwrap(),
+            separation,
+            memory: 1 << 30,
+        }
+    }
+
+    fn grow(mesh: &Mesh, sequence: &str, separation: Separation) -> Tree {
+        sampling(sequence, separation)
+            .sample(&Triangles::new(mesh), &AtomicU64::new(0))
+            .unwrap()
+    }
+
+    /// Every node of a tree, level by level, found by descending it.
+    fn cells(tree: &Tree) -> Vec<Vec<Cell>> {
+        let mut levels = vec![vec![Cell::ROOT]];
+        for (level, &rho) in tree.levels.iter().zip(&tree.sequence) {
+            let parents = &levels[levels.len() - 1];
+            assert_eq!(level.masks.len(), parents.len());
+            let children = parents
+                .iter()
+                .zip(&level.masks)
+                .flat_map(|(cell, &mask)| bits(mask).map(move |bit| cell.child(rho, bit)))
+                .collect();
+            levels.push(children);
+        }
+        levels
+    }
+
+    #[test]
+    fn every_cell_that_a_triangle_meets_is_a_leaf_and_no_other() {
+        let mesh = sphere();
+        let geometry = Triangles::new(&mesh);
+        for (sequence, separation) in [
+            ("3,3", Separation::TwentySix),
+            ("2,5", Separation::TwentySix),
+            ("4,3,2", Separation::Six),
+            ("5", Separation::Six),
+        ] {
+            let tree = grow(&mesh, sequence, separation);
+            let leaves = cells(&tree).pop().unwrap();
+            let n = sampling(sequence, separation).sequence.cells();
+            let mut expected = 0;
+            for index in 0..n.pow(3) {
+                let cell = Cell {
+                    per_axis: n,
+                    index: [index % n, index / n % n, index / n / n],
+                };
+                let cell_itself = Subcells::of(&cell, 1);
+                let exists = (0..geometry.primitives()).any(|primitive| {
+                    (match separation {
+                        Separation::TwentySix => geometry.meets(primitive, &cell_itself),
+                        Separation::Six => geometry.crosses(primitive, &cell_itself),
+                    }) == 1
+                });
+                expected += usize::from(exists);
+                assert_eq!(leaves.contains(&cell), exists, "{cell:?}");
+            }
+            assert_eq!(tree.leaves(), expected);
+        }
+    }
+
+    #[test]
+    fn each_sample_belongs_to_its_cell() {
+        let mesh = sphere();
+        let geometry = Triangles::new(&mesh);
+        for separation in [Separation::TwentySix, Separation::Six] {
+            let tree = grow(&mesh, "2,3,4", separation);
+            for (level, cells) in tree.levels.iter().zip(cells(&tree)) {
+                assert_eq!(level.samples.len(), cells.len());
+                for (sample, cell) in level.samples.iter().zip(cells) {
+                    let met: Vec<u32> = (0..geometry.primitives())
+                        .filter(|&p| geometry.meets(p, &Subcells::of(&cell, 1)) == 1)
+                        .collect();
+                    let nearest = geometry.sample_at(&met, cell.centre()).unwrap();
+                    assert_eq!(sample.normal, nearest.normal.as_vec3());
+                    assert_eq!(sample.colour, nearest.colour);
+                    let plane =
+                        cell.centre() + f64::from(sample.offset) * cell.side() * nearest.normal;
+                    let off = (nearest.position - plane).dot(nearest.normal);
+                    assert!(off.abs() < 1e-6, "{cell:?} is off by {off}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_inner_node_exists_only_above_a_leaf() {
+        let tree = grow(&sphere(), "2,2,2,2,2", Separation::Six);
+        for level in &tree.levels[..5] {
+            assert!(level.masks.iter().all(|&mask| mask != 0));
+        }
+        assert!(tree.levels[5].masks.is_empty());
+    }
+
+    #[test]
+    fn the_leaves_do_not_depend_on_how_the_cells_are_cut() {
+        let mesh = sphere();
+        for separation in [Separation::TwentySix, Separation::Six] {
+            let mut all: Vec<Vec<[u32; 3]>> = Vec::new();
+            for sequence in ["2,3,4", "4,3,2", "3,2,2,2"] {
+                let leaves = cells(&grow(&mesh, sequence, separation)).pop().unwrap();
+                let mut leaves: Vec<_> = leaves.iter().map(|cell| cell.index).collect();
+                leaves.sort_unstable();
+                all.push(leaves);
+            }
+            assert_eq!(all[0], all[1]);
+            assert_eq!(all[0], all[2]);
+        }
+    }
+
+    #[test]
+    fn the_tree_is_the_same_whatever_the_number_of_threads() {
+        let mesh = sphere();
+        let geometry = Triangles::new(&mesh);
+        for separation in [Separation::TwentySix, Separation::Six] {
+            let trees = [1, 2, 5].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .build()
+                    .unwrap();
+                let sampling = sampling("3,2,3,3", separation);
+                pool.install(|| sampling.sample(&geometry, &AtomicU64::new(0)).unwrap())
+            });
+            assert_eq!(trees[0], trees[1]);
+            assert_eq!(trees[0], trees[2]);
+        }
+    }
+
+    #[test]
+    fn progress_ends_at_the_number_of_leaves_which_was_about_foreseen() {
+        let mesh = sphere();
+        let geometry = Triangles::new(&mesh);
+        for separation in [Separation::TwentySix, Separation::Six] {
+            let sampling = sampling("3,3,5", separation);
+            let leaves = AtomicU64::new(0);
+            let tree = sampling.sample(&geometry, &leaves).unwrap();
+            assert_eq!(leaves.into_inner(), tree.leaves() as u64);
+            let ratio = sampling.expected_leaves(&geometry) as f64 / tree.leaves() as f64;
+            assert!((0.9..1.1).contains(&ratio), "{ratio}");
+        }
+    }
+
+    #[test]
+    fn a_tree_over_the_memory_limit_is_refused_with_a_way_out() {
+        let mesh = sphere();
+        let geometry = Triangles::new(&mesh);
+        let mut sampling = sampling("4,4,4,4", Separation::TwentySix);
+        let expected = sampling.expected_memory(&geometry);
+        // Foreseen, and found out on the way.
+        for memory in [expected / 10, expected * 6 / 10] {
+            sampling.memory = memory;
+            let failure = sampling.sample(&geometry, &AtomicU64::new(0)).unwrap_err();
+            assert!(failure.message.contains("MB"), "{failure}");
+            assert!(failure.help.unwrap().contains("--memory"));
+        }
+        sampling.memory = expected * 3 / 2;
+        assert!(sampling.sample(&geometry, &AtomicU64::new(0)).is_ok());
+    }
+
+    #[test]
+    fn what_has_no_surface_is_refused() {
+        let mesh = Mesh::default();
+        for separation in [Separation::TwentySix, Separation::Six] {
+            let failure = sampling("3,3", separation)
+                .sample(&Triangles::new(&mesh), &AtomicU64::new(0))
+                .unwrap_err();
+            assert!(failure.help.is_some());
+        }
     }
 }
