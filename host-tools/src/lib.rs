@@ -4,8 +4,10 @@
 pub mod blob_file;
 pub mod cli;
 pub mod failure;
+pub mod geometry;
 pub mod mesh;
 pub mod palette;
 pub mod quantise;
 pub mod render;
+pub mod sampling;
 pub mod view;
