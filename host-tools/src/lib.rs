@@ -4,4 +4,5 @@
 pub mod cli;
 pub mod failure;
 pub mod mesh;
+pub mod model;
 pub mod view;
