@@ -6,6 +6,7 @@ pub mod cli;
 pub mod failure;
 pub mod geometry;
 pub mod mesh;
+pub mod model;
 pub mod palette;
 pub mod quantise;
 pub mod render;
