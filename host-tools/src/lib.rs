@@ -3,6 +3,7 @@
 
 pub mod blob_file;
 pub mod cli;
+pub mod encode;
 pub mod failure;
 pub mod geometry;
 pub mod mesh;
