@@ -9,8 +9,8 @@
 /// Most subcells of a cell: rho = 5.
 const MAX_SUBCELLS: usize = 125;
 
-/// Subcells in order; a row is appended whole, so there is room for one more.
-pub(super) type List = [u8; MAX_SUBCELLS + 5];
+/// Subcells in order.
+pub(super) type List = [u8; MAX_SUBCELLS];
 
 /// The slabs of an axis divided by rho, from the eye's outwards.
 #[allow(
@@ -71,39 +71,74 @@ impl<const RHO: usize> Axis<RHO> {
     };
 }
 
-/// Lists the subcells in `mask` from front to back; `eye` is the eye's slab along each axis,
-/// any number below 0 or beyond RHO - 1 when it is outside. Returns how many there are.
-#[inline(always)]
-pub(super) fn list<const RHO: usize>(mask: &[u32; 4], eye: [i32; 3], list: &mut List) -> usize {
-    let [ex, ey, ez] = eye.map(|e| e.clamp(0, RHO as i32 - 1) as usize);
-    let slabs = |eye: usize| Axis::<RHO>::SLABS.get(eye).unwrap_or(&[0; 5]);
-    let Some(rows) = Axis::<RHO>::ROWS.get(ex) else {
-        return 0;
-    };
-    let (along_y, along_z) = (slabs(ey), slabs(ez));
-    let mut count = 0;
-    for &k in along_z.iter().take(RHO) {
-        let plane = plane::<RHO>(mask, usize::from(k));
-        if plane == 0 {
-            continue;
-        }
-        for &j in along_y.iter().take(RHO) {
-            let row = plane >> (RHO * usize::from(j)) & ((1 << RHO) - 1);
-            if row == 0 {
-                continue;
-            }
-            let first = RHO as u8 * (j + RHO as u8 * k);
-            if let (Some((cells, here)), Some(entries)) =
-                (rows.get(row as usize), list.get_mut(count..count + RHO))
-            {
-                for (entry, i) in entries.iter_mut().zip(cells) {
-                    *entry = first + i;
-                }
-                count += usize::from(*here);
-            }
+/// The order of a cell's subcells for one place of the eye.
+#[derive(Clone, Copy)]
+pub(super) struct Order<const RHO: usize> {
+    rows: &'static [([u8; 5], u8); 32],
+    along_y: &'static [u8; 5],
+    along_z: &'static [u8; 5],
+}
+
+impl<const RHO: usize> Order<RHO> {
+    /// `eye` is the eye's slab along each axis, any number below 0 or beyond RHO - 1 when it is
+    /// outside.
+    #[inline(always)]
+    pub(super) fn new(eye: [i32; 3]) -> Self {
+        let [x, y, z] = eye.map(|e| e.clamp(0, RHO as i32 - 1) as usize);
+        let slabs = |eye: usize| Axis::<RHO>::SLABS.get(eye).unwrap_or(&[0; 5]);
+        Self {
+            rows: Axis::<RHO>::ROWS.get(x).unwrap_or(&[([0; 5], 0); 32]),
+            along_y: slabs(y),
+            along_z: slabs(z),
         }
     }
-    count
+
+    /// The slabs along z that are not empty, and their bits.
+    #[inline(always)]
+    pub(super) fn planes(self, mask: &[u32; 4]) -> impl Iterator<Item = (u8, u32)> {
+        let plane = |k: &u8| (*k, plane::<RHO>(mask, usize::from(*k)));
+        self.along_z
+            .iter()
+            .take(RHO)
+            .map(plane)
+            .filter(|(_, plane)| *plane != 0)
+    }
+
+    /// The rows of a slab that are not empty, and their bits.
+    #[inline(always)]
+    pub(super) fn rows(self, plane: u32) -> impl Iterator<Item = (u8, u32)> {
+        let row = move |j: &u8| (*j, plane >> (RHO * usize::from(*j)) & ((1 << RHO) - 1));
+        self.along_y
+            .iter()
+            .take(RHO)
+            .map(row)
+            .filter(|(_, row)| *row != 0)
+    }
+
+    /// The subcells of a row.
+    #[inline(always)]
+    pub(super) fn cells(self, row: u32) -> &'static [u8] {
+        let (cells, count) = self.rows.get(row as usize).unwrap_or(&([0; 5], 0));
+        cells.get(..usize::from(*count)).unwrap_or_default()
+    }
+
+    /// Lists all subcells in `mask`; returns how many there are.
+    #[inline(always)]
+    pub(super) fn list(self, mask: &[u32; 4], list: &mut List) -> usize {
+        let mut count = 0;
+        for (k, plane) in self.planes(mask) {
+            for (j, row) in self.rows(plane) {
+                let first = RHO as u8 * (j + RHO as u8 * k);
+                for i in self.cells(row) {
+                    if let Some(entry) = list.get_mut(count) {
+                        *entry = first + i;
+                        count += 1;
+                    }
+                }
+            }
+        }
+        count
+    }
 }
 
 /// The bits of slab `k` along z.
@@ -122,12 +157,9 @@ fn plane<const RHO: usize>(mask: &[u32; 4], k: usize) -> u32 {
 
 /// How many subcells in `mask` come before `subcell` in the numbering of children.
 #[inline(always)]
-pub(super) fn rank<const RHO: usize>(mask: &[u32; 4], subcell: u8) -> u32 {
+pub(super) fn rank(mask: &[u32; 4], subcell: u8) -> u32 {
     let below = (1u32 << (subcell % 32)) - 1;
     let [a, b, c, d] = *mask;
-    if RHO <= 3 {
-        return (a & below).count_ones();
-    }
     match subcell / 32 {
         0 => (a & below).count_ones(),
         1 => a.count_ones() + (b & below).count_ones(),
@@ -136,11 +168,33 @@ pub(super) fn rank<const RHO: usize>(mask: &[u32; 4], subcell: u8) -> u32 {
     }
 }
 
+/// `PLACES[rho - 2][subcell]`: x, y, z.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+static PLACES: [[[u8; 3]; MAX_SUBCELLS]; 4] = {
+    let mut places = [[[0; 3]; MAX_SUBCELLS]; 4];
+    let mut rho = 2;
+    while rho <= 5 {
+        let mut n = 0;
+        while n < rho * rho * rho {
+            let xyz = [n % rho, n / rho % rho, n / (rho * rho)];
+            places[rho - 2][n] = [xyz[0] as u8, xyz[1] as u8, xyz[2] as u8];
+            n += 1;
+        }
+        rho += 1;
+    }
+    places
+};
+
 /// `(x, y, z)` of a subcell's number.
 #[inline(always)]
-pub(super) fn place<const RHO: u8>(subcell: u8) -> [i32; 3] {
-    let (x, y, z) = (subcell % RHO, subcell / RHO % RHO, subcell / (RHO * RHO));
-    [x, y, z].map(i32::from)
+pub(super) fn place(rho: u8, subcell: u8) -> [i32; 3] {
+    PLACES
+        .get(usize::from(rho).wrapping_sub(2))
+        .and_then(|places| places.get(usize::from(subcell)))
+        .map_or([0; 3], |place| place.map(i32::from))
 }
 
 #[cfg(test)]
@@ -149,24 +203,24 @@ mod tests {
     extern crate std;
     use proptest::prelude::*;
 
-    fn check<const RHO: usize, const R: u8>(mask: u128, eye: [i32; 3]) {
+    fn check<const RHO: usize>(mask: u128, eye: [i32; 3]) {
         let cells = RHO.pow(3) as u32;
         let mask = mask & (u128::MAX >> (128 - cells));
         let words = [0, 32, 64, 96].map(|s| (mask >> s) as u32);
-        let mut entries = [0; MAX_SUBCELLS + 5];
-        let count = list::<RHO>(&words, eye, &mut entries);
+        let mut entries = [0; MAX_SUBCELLS];
+        let count = Order::<RHO>::new(eye).list(&words, &mut entries);
         assert_eq!(count as u32, mask.count_ones());
         let listed = &entries[..count];
         let inside = eye.map(|e| e.clamp(0, RHO as i32 - 1));
         let between = |a: i32, b: i32, eye: i32| (eye <= a && a <= b) || (b <= a && a <= eye);
         for (at, n) in listed.iter().enumerate() {
             assert!(mask >> n & 1 == 1, "only cells of the mask");
-            let rank_here = rank::<RHO>(&words, *n);
+            let rank_here = rank(&words, *n);
             assert_eq!(rank_here, (mask & ((1 << n) - 1)).count_ones());
             // Nothing that could hide it comes later.
-            let me = place::<R>(*n);
+            let me = place(RHO as u8, *n);
             for later in &listed[at + 1..] {
-                let other = place::<R>(*later);
+                let other = place(RHO as u8, *later);
                 let hides = (0..3).all(|d| between(other[d], me[d], inside[d]));
                 assert!(!hides, "{other:?} hides {me:?} from {inside:?}");
             }
@@ -178,10 +232,10 @@ mod tests {
         fn what_hides_comes_before_what_is_hidden(
             mask: u128, eye in prop::array::uniform3(-2..7i32)
         ) {
-            check::<2, 2>(mask, eye);
-            check::<3, 3>(mask, eye);
-            check::<4, 4>(mask, eye);
-            check::<5, 5>(mask, eye);
+            check::<2>(mask, eye);
+            check::<3>(mask, eye);
+            check::<4>(mask, eye);
+            check::<5>(mask, eye);
         }
     }
 }
