@@ -2,7 +2,12 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod compare;
+pub mod depth;
 pub mod failure;
 pub mod mesh;
 pub mod model;
+pub mod picture;
+pub mod reference;
+pub mod replace;
 pub mod view;
