@@ -1,13 +1,19 @@
 //! Everything of rho-grid that runs on the PC: the library behind the `rho` command.
 #![forbid(unsafe_code)]
 
+pub mod blob_file;
 pub mod cli;
 pub mod compare;
 pub mod depth;
 pub mod failure;
+pub mod geometry;
 pub mod mesh;
 pub mod model;
+pub mod palette;
 pub mod picture;
+pub mod quantise;
 pub mod reference;
+pub mod render;
 pub mod replace;
+pub mod sampling;
 pub mod view;
