@@ -16,4 +16,5 @@ pub mod reference;
 pub mod render;
 pub mod replace;
 pub mod sampling;
+pub mod source;
 pub mod view;

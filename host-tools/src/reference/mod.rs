@@ -50,6 +50,25 @@ impl Shot {
     }
 }
 
+impl Shot {
+    /// Whether it can be taken.
+    ///
+    /// # Errors
+    /// Exit 2 when the view or the number of samples is out of range; the message names the
+    /// flag.
+    pub fn check(&self) -> Outcome {
+        // The same range as the device's.
+        self.view.camera()?;
+        if (1..=64).contains(&self.samples) {
+            return Ok(());
+        }
+        Err(
+            Failure::input(format!("--samples {} is out of range", self.samples))
+                .help("use 1 to 64 rays along each axis of a pixel"),
+        )
+    }
+}
+
 /// What the rays saw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
@@ -94,8 +113,7 @@ impl<'a> Caster<'a> {
     /// Takes a picture; `row_done` is called once for each row, from any thread.
     ///
     /// # Errors
-    /// Exit 2 when the view or the number of samples is out of range; the message names the
-    /// flag.
+    /// As [`Shot::check`].
     pub fn render(&self, shot: &Shot, row_done: &(dyn Fn() + Sync)) -> Outcome<Truth> {
         // The same range as the device's.
         shot.view.camera()?;
