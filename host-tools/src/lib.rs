@@ -5,6 +5,7 @@ pub mod blob_file;
 pub mod cli;
 pub mod compare;
 pub mod depth;
+pub mod encode;
 pub mod failure;
 pub mod geometry;
 pub mod mesh;
