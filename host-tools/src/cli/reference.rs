@@ -1,14 +1,14 @@
 //! `rho reference`: the ground truth of a model, ray-cast on the PC.
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use crate::reference::{Caster, Shot};
 use crate::source::{self, ModelArgs};
 use crate::view::ViewArgs;
@@ -28,7 +28,7 @@ with its range in two texts; it holds the depth at each pixel's centre.";
 pub struct Reference {
     /// A mesh: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard input
     pub model: String,
-    /// The PNG to write
+    /// The PNG to write; - for standard output
     #[arg(short, long, value_name = "F.png")]
     pub output: PathBuf,
     /// Also write the depth at each pixel's centre, a 16-bit PNG
@@ -72,6 +72,12 @@ impl Reference {
         };
         // Before the model is read: a wrong flag should not cost a second.
         shot.check()?;
+        if self.json && self.output == Path::new("-") {
+            return Err(
+                Failure::input("--json and -o - both write to standard output")
+                    .help("name a file for the picture"),
+            );
+        }
         let loaded = source::mesh(&self.model, &self.model_args.options())?;
         if !self.quiet {
             for warning in &loaded.warnings {

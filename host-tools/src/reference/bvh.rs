@@ -237,9 +237,15 @@ fn split(items: &mut [Item], centres: Bounds) -> Option<usize> {
         }
     }
     let (_, axis, plane) = best?;
-    // A partition that keeps the order, so that equal inputs give equal trees.
-    items.sort_by_key(|item| bin(item, centres, axis) >= plane);
-    Some(items.partition_point(|item| bin(item, centres, axis) < plane))
+    // Both parts hold at least one item.
+    let mut middle = 0;
+    for i in 0..items.len() {
+        if bin(&items[i], centres, axis) < plane {
+            items.swap(i, middle);
+            middle += 1;
+        }
+    }
+    Some(middle)
 }
 
 fn bin(item: &Item, centres: Bounds, axis: usize) -> usize {
