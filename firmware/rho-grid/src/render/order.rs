@@ -7,78 +7,99 @@
 //! octant).
 
 /// Most subcells of a cell: rho = 5.
-pub(super) const MAX_SUBCELLS: usize = 125;
+const MAX_SUBCELLS: usize = 125;
 
-/// `AXIS[rho][eye's slab]`: the slabs of an axis, from the eye's outwards.
+/// Subcells in order; a row is appended whole, so there is room for one more.
+pub(super) type List = [u8; MAX_SUBCELLS + 5];
+
+/// The slabs of an axis divided by rho, from the eye's outwards.
 #[allow(
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, where an index out of range is an error"
 )]
-static AXIS: [[[u8; 5]; 5]; 6] = {
-    let mut axis = [[[0; 5]; 5]; 6];
-    let mut rho = 2;
-    while rho <= 5 {
+const fn outwards(rho: usize, eye: usize) -> [u8; 5] {
+    let mut slabs = [0; 5];
+    let mut at = 0;
+    while at < rho {
+        // eye, eye - 1, ... 0, then eye + 1, ...
+        slabs[at] = if at <= eye { eye - at } else { at } as u8;
+        at += 1;
+    }
+    slabs
+}
+
+/// `SLABS[eye's slab]` for one rho.
+struct Axis<const RHO: usize>;
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+impl<const RHO: usize> Axis<RHO> {
+    const SLABS: [[u8; 5]; 5] = {
+        let mut slabs = [[0; 5]; 5];
         let mut eye = 0;
-        while eye < rho {
-            let mut at = 0;
-            let mut slab = eye as i32;
-            while slab >= 0 {
-                axis[rho][eye][at] = slab as u8;
-                at += 1;
-                slab -= 1;
-            }
-            let mut slab = eye + 1;
-            while slab < rho {
-                axis[rho][eye][at] = slab as u8;
-                at += 1;
-                slab += 1;
+        while eye < RHO {
+            slabs[eye] = outwards(RHO, eye);
+            eye += 1;
+        }
+        slabs
+    };
+
+    /// `ROWS[eye's slab][bits of a row]`: the subcells of the row in order, and how many.
+    const ROWS: [[([u8; 5], u8); 32]; 5] = {
+        let mut rows = [[([0; 5], 0); 32]; 5];
+        let mut eye = 0;
+        while eye < RHO {
+            let order = outwards(RHO, eye);
+            let mut bits = 0;
+            while bits < 1 << RHO {
+                let mut at = 0;
+                while at < RHO {
+                    let row = &mut rows[eye][bits];
+                    if bits >> order[at] & 1 == 1 {
+                        row.0[row.1 as usize] = order[at];
+                        row.1 += 1;
+                    }
+                    at += 1;
+                }
+                bits += 1;
             }
             eye += 1;
         }
-        rho += 1;
-    }
-    axis
-};
-
-/// The slabs of an axis divided by `RHO`, from `eye` (clamped to it) outwards.
-#[inline(always)]
-fn slabs<const RHO: usize>(eye: i32) -> &'static [u8] {
-    let eye = eye.clamp(0, RHO as i32 - 1) as usize;
-    AXIS.get(RHO)
-        .and_then(|a| a.get(eye))
-        .and_then(|a| a.get(..RHO))
-        .unwrap_or_default()
+        rows
+    };
 }
 
 /// Lists the subcells in `mask` from front to back; `eye` is the eye's slab along each axis,
 /// any number below 0 or beyond RHO - 1 when it is outside. Returns how many there are.
 #[inline(always)]
-pub(super) fn list<const RHO: usize>(
-    mask: &[u32; 4],
-    eye: [i32; 3],
-    list: &mut [u8; MAX_SUBCELLS],
-) -> usize {
-    let [ex, ey, ez] = eye;
-    let (along_x, along_y, along_z) = (slabs::<RHO>(ex), slabs::<RHO>(ey), slabs::<RHO>(ez));
+pub(super) fn list<const RHO: usize>(mask: &[u32; 4], eye: [i32; 3], list: &mut List) -> usize {
+    let [ex, ey, ez] = eye.map(|e| e.clamp(0, RHO as i32 - 1) as usize);
+    let slabs = |eye: usize| Axis::<RHO>::SLABS.get(eye).unwrap_or(&[0; 5]);
+    let Some(rows) = Axis::<RHO>::ROWS.get(ex) else {
+        return 0;
+    };
+    let (along_y, along_z) = (slabs(ey), slabs(ez));
     let mut count = 0;
-    for &k in along_z {
+    for &k in along_z.iter().take(RHO) {
         let plane = plane::<RHO>(mask, usize::from(k));
         if plane == 0 {
             continue;
         }
-        for &j in along_y {
+        for &j in along_y.iter().take(RHO) {
             let row = plane >> (RHO * usize::from(j)) & ((1 << RHO) - 1);
             if row == 0 {
                 continue;
             }
             let first = RHO as u8 * (j + RHO as u8 * k);
-            for &i in along_x {
-                if row >> i & 1 != 0
-                    && let Some(entry) = list.get_mut(count)
-                {
+            if let (Some((cells, here)), Some(entries)) =
+                (rows.get(row as usize), list.get_mut(count..count + RHO))
+            {
+                for (entry, i) in entries.iter_mut().zip(cells) {
                     *entry = first + i;
-                    count += 1;
                 }
+                count += usize::from(*here);
             }
         }
     }
@@ -117,10 +138,9 @@ pub(super) fn rank<const RHO: usize>(mask: &[u32; 4], subcell: u8) -> u32 {
 
 /// `(x, y, z)` of a subcell's number.
 #[inline(always)]
-pub(super) fn place(rho: u8, subcell: u8) -> [i32; 3] {
-    let rho = i32::from(rho).max(1);
-    let n = i32::from(subcell);
-    [n % rho, n / rho % rho, n / (rho * rho)]
+pub(super) fn place<const RHO: u8>(subcell: u8) -> [i32; 3] {
+    let (x, y, z) = (subcell % RHO, subcell / RHO % RHO, subcell / (RHO * RHO));
+    [x, y, z].map(i32::from)
 }
 
 #[cfg(test)]
@@ -129,11 +149,11 @@ mod tests {
     extern crate std;
     use proptest::prelude::*;
 
-    fn check<const RHO: usize>(mask: u128, eye: [i32; 3]) {
+    fn check<const RHO: usize, const R: u8>(mask: u128, eye: [i32; 3]) {
         let cells = RHO.pow(3) as u32;
         let mask = mask & (u128::MAX >> (128 - cells));
         let words = [0, 32, 64, 96].map(|s| (mask >> s) as u32);
-        let mut entries = [0; MAX_SUBCELLS];
+        let mut entries = [0; MAX_SUBCELLS + 5];
         let count = list::<RHO>(&words, eye, &mut entries);
         assert_eq!(count as u32, mask.count_ones());
         let listed = &entries[..count];
@@ -144,9 +164,9 @@ mod tests {
             let rank_here = rank::<RHO>(&words, *n);
             assert_eq!(rank_here, (mask & ((1 << n) - 1)).count_ones());
             // Nothing that could hide it comes later.
-            let me = place(RHO as u8, *n);
+            let me = place::<R>(*n);
             for later in &listed[at + 1..] {
-                let other = place(RHO as u8, *later);
+                let other = place::<R>(*later);
                 let hides = (0..3).all(|d| between(other[d], me[d], inside[d]));
                 assert!(!hides, "{other:?} hides {me:?} from {inside:?}");
             }
@@ -158,10 +178,10 @@ mod tests {
         fn what_hides_comes_before_what_is_hidden(
             mask: u128, eye in prop::array::uniform3(-2..7i32)
         ) {
-            check::<2>(mask, eye);
-            check::<3>(mask, eye);
-            check::<4>(mask, eye);
-            check::<5>(mask, eye);
+            check::<2, 2>(mask, eye);
+            check::<3, 3>(mask, eye);
+            check::<4, 4>(mask, eye);
+            check::<5, 5>(mask, eye);
         }
     }
 }

@@ -16,7 +16,7 @@
 //! nothing overflows and nothing in view is lost.
 
 use super::footprint::{Footprint, Pixels};
-use super::order::{self, MAX_SUBCELLS};
+use super::order::{self, List};
 use super::project::{Bounds, Homogeneous, OverW};
 use super::view::{Half, LevelView, View};
 use super::visibility::{Rect, Visibility};
@@ -36,7 +36,7 @@ struct Open {
     first_child: u32,
     /// Half extents of its children, or `None` when they may be too near to be projected.
     half: Option<Half>,
-    list: [u8; MAX_SUBCELLS],
+    list: List,
     count: u8,
     next: u8,
 }
@@ -48,7 +48,7 @@ impl Open {
         mask: [0; 4],
         first_child: 0,
         half: None,
-        list: [0; MAX_SUBCELLS],
+        list: [0; size_of::<List>()],
         count: 0,
         next: 0,
     };
@@ -189,10 +189,8 @@ impl<V: Visibility> Walk<'_, '_, V> {
             open.half = None;
             return true;
         }
-        let axis = [
-            cell.bounds.x - (self.view.width << 7),
-            cell.bounds.y - (self.view.height << 7),
-        ];
+        let (mx, my) = self.middle();
+        let axis = [cell.bounds.x - mx, cell.bounds.y - my];
         let own = Half {
             x: cell.bounds.half_x,
             y: cell.bounds.half_y,
@@ -219,13 +217,15 @@ impl<V: Visibility> Walk<'_, '_, V> {
         let displacements = self.view.displacements(self.level(level));
         let first = self.first(level + 1) + open.first_child;
         let (grid, shading) = (self.grid, self.shading);
-        for &subcell in open.list.get(..usize::from(open.count)).unwrap_or_default() {
+        let footprint = F::of(half.x, half.y);
+        let (mx, my) = self.middle();
+        for &subcell in open.list.iter().take(usize::from(open.count)) {
             let Some(d) = displacements.get(usize::from(subcell)) else {
                 continue;
             };
             let centre = open.centre.plus(*d);
             let (x, y) = self.on_screen::<R>(centre);
-            if let Some(rect) = self.clip(F::cover(self.bounds(x, y, half))) {
+            if let Some(rect) = self.clip(footprint.cover(x + mx, y + my)) {
                 self.target.draw(rect, centre.w, || {
                     let node = first + order::rank::<RHO>(&open.mask, subcell);
                     shading.colour(grid.attribute(node))
@@ -254,15 +254,29 @@ impl<V: Visibility> Walk<'_, '_, V> {
             None => self.near_bounds(centre, self.level(level + 1))?,
         };
         let reach = self.clip(F::reach(bounds))?;
-        let rho = self.grid.levels().get(level)?.rho;
-        let rank = match rho {
-            2 => order::rank::<2>(&parent.mask, subcell),
-            3 => order::rank::<3>(&parent.mask, subcell),
-            4 => order::rank::<4>(&parent.mask, subcell),
-            _ => order::rank::<5>(&parent.mask, subcell),
+        let (rank, [i, j, k], rho) = match self.grid.levels().get(level)?.rho {
+            2 => (
+                order::rank::<2>(&parent.mask, subcell),
+                order::place::<2>(subcell),
+                2,
+            ),
+            3 => (
+                order::rank::<3>(&parent.mask, subcell),
+                order::place::<3>(subcell),
+                3,
+            ),
+            4 => (
+                order::rank::<4>(&parent.mask, subcell),
+                order::place::<4>(subcell),
+                4,
+            ),
+            _ => (
+                order::rank::<5>(&parent.mask, subcell),
+                order::place::<5>(subcell),
+                5,
+            ),
         };
-        let [i, j, k] = order::place(rho, subcell);
-        let [px, py, pz] = parent.place.map(|p| p * i32::from(rho));
+        let [px, py, pz] = parent.place.map(|p| p * rho);
         let cell = Cell {
             node: parent.first_child + rank,
             centre,
@@ -276,7 +290,13 @@ impl<V: Visibility> Walk<'_, '_, V> {
     #[inline(always)]
     fn sample<F: Footprint>(&mut self, cell: &Cell, node: u32) {
         let (grid, shading) = (self.grid, self.shading);
-        if let Some(rect) = self.clip(F::cover(cell.bounds)) {
+        let Bounds {
+            x,
+            y,
+            half_x,
+            half_y,
+        } = cell.bounds;
+        if let Some(rect) = self.clip(F::of(half_x, half_y).cover(x, y)) {
             self.target
                 .draw(rect, cell.centre.w, || shading.colour(grid.attribute(node)));
         }
@@ -289,11 +309,18 @@ impl<V: Visibility> Walk<'_, '_, V> {
         (over.times(p.x), over.times(p.y))
     }
 
+    /// Where the optical axis meets the frame, Q8.
+    #[inline(always)]
+    fn middle(&self) -> (i32, i32) {
+        (self.view.width << 7, self.view.height << 7)
+    }
+
     #[inline(always)]
     fn bounds(&self, x: i32, y: i32, half: Half) -> Bounds {
+        let (mx, my) = self.middle();
         Bounds {
-            x: x + (self.view.width << 7),
-            y: y + (self.view.height << 7),
+            x: x + mx,
+            y: y + my,
             half_x: half.x,
             half_y: half.y,
         }
