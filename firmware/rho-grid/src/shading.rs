@@ -4,14 +4,17 @@
 //! its attribute word alone: one look-up while drawing.
 
 use crate::blob::{Layout, Material};
-use crate::normal::{COUNT, FACES, OCTANT};
+use crate::normal::{BITS, COUNT, FACES, OCTANT};
 use crate::q::Unit;
 
 /// Colours of every normal under every material, RGB565.
 #[derive(Clone, Copy, Debug)]
 pub struct Shading<'a> {
     colours: &'a [u16],
-    layout: Layout,
+    /// Bits under the normal in an attribute word.
+    under_normal: u32,
+    /// The bits of the material.
+    material: u32,
 }
 
 impl<'a> Shading<'a> {
@@ -52,17 +55,17 @@ impl<'a> Shading<'a> {
         }
         Some(Self {
             colours: table,
-            layout,
+            under_normal: u32::from(layout.offset + layout.material) & 31,
+            material: layout.material_of(u32::MAX),
         })
     }
 
-    /// The colour of a sample with this attribute word, RGB565.
+    /// The colour of a sample with this attribute word of 16 bits, RGB565.
     #[inline(always)]
     #[must_use]
     pub fn colour(&self, word: u32) -> u16 {
-        let index =
-            self.layout.material_of(word) as usize * COUNT + self.layout.normal_of(word) as usize;
-        self.colours.get(index).copied().unwrap_or(0)
+        let index = (word & self.material) << BITS | word >> self.under_normal;
+        self.colours.get(index as usize).copied().unwrap_or(0)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Which pixels a sample colours, from the bounds of its cell.
 
 pub use super::project::Bounds;
+use super::visibility::Rect;
 
 /// Columns and rows of the frame, first and last; empty when a last is below its first. They may
 /// lie beyond the frame.
@@ -10,6 +11,20 @@ pub struct Pixels {
     pub x: (i32, i32),
     /// First and last row.
     pub y: (i32, i32),
+}
+
+impl Pixels {
+    /// The same of pixels known to lie within the frame; `None` when there are none.
+    #[inline(always)]
+    pub(super) fn rect(self) -> Option<Rect> {
+        let ((x0, x1), (y0, y1)) = (self.x, self.y);
+        (x0 <= x1 && y0 <= y1).then_some(Rect {
+            x0: x0 as u32,
+            x1: x1 as u32,
+            y0: y0 as u32,
+            y1: y1 as u32,
+        })
+    }
 }
 
 /// A rule that chooses pixels.

@@ -208,10 +208,10 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             return true;
         };
         match below.rho {
-            2 => self.block::<F, R, 2>(open, half, level, &steps),
-            3 => self.block::<F, R, 3>(open, half, level, &steps),
-            4 => self.block::<F, R, 4>(open, half, level, &steps),
-            _ => self.block::<F, R, 5>(open, half, level, &steps),
+            2 => self.block::<F, R, 2>(open, half, level, &steps, cell.bounds),
+            3 => self.block::<F, R, 3>(open, half, level, &steps, cell.bounds),
+            4 => self.block::<F, R, 4>(open, half, level, &steps, cell.bounds),
+            _ => self.block::<F, R, 5>(open, half, level, &steps, cell.bounds),
         }
         false
     }
@@ -236,6 +236,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         half: Half,
         level: usize,
         steps: &Steps,
+        block: Bounds,
     ) {
         let Some([nodes, below]) = self
             .grid
@@ -257,6 +258,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
 
         let footprint = F::of(steps.half.x, steps.half.y);
         let slabs = steps.slabs::<RHO>();
+        let inside = self.is_inside(&block, steps.half);
         for &subcell in open.list.iter().take(usize::from(open.count)) {
             let Some(d) = displacements.get(usize::from(subcell)) else {
                 continue;
@@ -294,7 +296,13 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
                     let subcells = RHO as u8 * (j + RHO as u8 * k);
                     for &i in order.cells(row) {
                         let at = from.plus(slabs.x(i));
-                        let Some(rect) = self.clip(footprint.cover(at.x >> 8, at.y >> 8)) else {
+                        let pixels = footprint.cover(at.x >> 8, at.y >> 8);
+                        let rect = if inside {
+                            pixels.rect()
+                        } else {
+                            self.clip(pixels)
+                        };
+                        let Some(rect) = rect else {
                             continue;
                         };
                         let subcell = subcells + i;
@@ -382,20 +390,27 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         }
     }
 
+    /// Whether no sample of these half extents within `block` reaches the frame's edge, with two
+    /// pixels to spare for the largest splat's rounding.
+    fn is_inside(&self, block: &Bounds, samples: Half) -> bool {
+        let within = |centre: i32, half: i32, side: i32| {
+            let reach = half + 4 * samples.x.max(samples.y) + 512;
+            centre - reach >= 0 && centre + reach < side << 8
+        };
+        within(block.x, block.half_x, self.view.width)
+            && within(block.y, block.half_y, self.view.height)
+    }
+
     /// The part of `pixels` within the frame.
     #[inline(always)]
     fn clip(&self, pixels: Pixels) -> Option<Rect> {
         let (x0, x1) = (pixels.x.0.max(0), pixels.x.1.min(self.view.width - 1));
         let (y0, y1) = (pixels.y.0.max(0), pixels.y.1.min(self.view.height - 1));
-        if x0 > x1 || y0 > y1 {
-            return None;
+        Pixels {
+            x: (x0, x1),
+            y: (y0, y1),
         }
-        Some(Rect {
-            x0: x0 as u32,
-            x1: x1 as u32,
-            y0: y0 as u32,
-            y1: y1 as u32,
-        })
+        .rect()
     }
 
     /// Bounds of a cell that the eye may be in or very near to; `None` when it is behind.

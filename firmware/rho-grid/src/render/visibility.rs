@@ -75,6 +75,19 @@ impl Visibility for EyeOrder<'_, '_> {
         let (first, last) = (r.x0 >> 5, r.x1 >> 5);
         let from = u32::MAX << (r.x0 & 31);
         let to = u32::MAX >> (31 - (r.x1 & 31));
+        let covered = |at: u32| self.covered.get(at as usize).copied().unwrap_or(u32::MAX);
+        if first == last {
+            // Cells are small: mostly a word a row.
+            let mask = from & to;
+            let mut at = r.y0 * self.stride + first;
+            for _ in r.y0..r.y1 + 1 {
+                if mask & !covered(at) != 0 {
+                    return false;
+                }
+                at += self.stride;
+            }
+            return true;
+        }
         for y in r.y0..r.y1 + 1 {
             let row = y * self.stride;
             for word in first..last + 1 {
@@ -85,8 +98,7 @@ impl Visibility for EyeOrder<'_, '_> {
                 if word == last {
                     mask &= to;
                 }
-                let covered = self.covered.get((row + word) as usize).copied();
-                if covered.unwrap_or(u32::MAX) & mask != mask {
+                if mask & !covered(row + word) != 0 {
                     return false;
                 }
             }
