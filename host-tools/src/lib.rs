@@ -1,9 +1,15 @@
 //! Everything of rho-grid that runs on the PC: the library behind the `rho` command.
 #![forbid(unsafe_code)]
 
+pub mod blob_file;
 pub mod cli;
+pub mod encode;
 pub mod failure;
 pub mod geometry;
 pub mod mesh;
+pub mod model;
+pub mod palette;
+pub mod quantise;
+pub mod render;
 pub mod sampling;
 pub mod view;

@@ -1,0 +1,143 @@
+//! All that the compiler cannot check: registers, the model's memory, the painted stack, the
+//! counted code and the fault handler. The rest of the program is safe.
+#![allow(
+    unsafe_code,
+    reason = "the one module that touches the machine; every block cites what makes it sound"
+)]
+
+use core::arch::asm;
+
+use cortex_m_rt::{ExceptionFrame, exception};
+use rho_viewer::count::PROBES;
+use rho_viewer::report::Exit;
+
+/// Where the emulator's loader puts the model: the board's PSRAM.
+const MODEL: *const u8 = 0x2100_0000 as *const u8;
+/// The size of the PSRAM.
+const MODEL_BYTES: usize = 16 << 20;
+
+/// What cortex-m-rt paints the stack with before `main`.
+const PAINT: u32 = 0xCCCC_CCCC;
+
+/// A 32-bit device register.
+#[derive(Clone, Copy)]
+pub(crate) struct Register(usize);
+
+impl Register {
+    /// SPI of the panel: frame size and format.
+    pub(crate) const SPI_CR0: Self = Self(0x4002_1000);
+    /// SPI: on or off.
+    pub(crate) const SPI_CR1: Self = Self(0x4002_1004);
+    /// SPI: the frame to send, or the one received.
+    pub(crate) const SPI_DR: Self = Self(0x4002_1008);
+    /// SPI: state of its queues.
+    pub(crate) const SPI_SR: Self = Self(0x4002_100C);
+    /// SPI: clock divider.
+    pub(crate) const SPI_CPSR: Self = Self(0x4002_1010);
+    /// The pins of the panel.
+    pub(crate) const MISC: Self = Self(0x4002_804C);
+    /// UART0: the byte to send.
+    pub(crate) const UART_DATA: Self = Self(0x4000_4000);
+    /// UART0: state.
+    pub(crate) const UART_STATE: Self = Self(0x4000_4004);
+    /// UART0: on or off.
+    pub(crate) const UART_CTRL: Self = Self(0x4000_4008);
+    /// UART0: clock divider.
+    pub(crate) const UART_BAUDDIV: Self = Self(0x4000_4010);
+
+    /// Reads the register.
+    pub(crate) fn read(self) -> u32 {
+        // SAFETY: only the constants above exist; each is an aligned register of this board
+        // (application note AN385) which may be read at any time.
+        unsafe { (self.0 as *const u32).read_volatile() }
+    }
+
+    /// Writes the register.
+    pub(crate) fn write(self, value: u32) {
+        // SAFETY: only the constants above exist; each is an aligned register of this board
+        // (application note AN385), and none of them makes the machine access memory.
+        unsafe { (self.0 as *mut u32).write_volatile(value) }
+    }
+}
+
+/// The memory in which a model may lie.
+pub(crate) fn model() -> &'static [u8] {
+    // SAFETY: the board has 16 MB of memory there, no section of the program lies in it
+    // (board.x), and nothing writes to it after the emulator's loader, which ran before reset.
+    unsafe { core::slice::from_raw_parts(MODEL, MODEL_BYTES) }
+}
+
+/// How deep the stack has been, in bytes.
+pub(crate) fn stack_used() -> u32 {
+    unsafe extern "C" {
+        static _stack_start: u32;
+        static _stack_end: u32;
+    }
+    let (top, bottom) = (&raw const _stack_start, &raw const _stack_end);
+    let mut word = bottom;
+    // SAFETY: the linker places both symbols at the ends of the stack's memory (board.x),
+    // aligned to a word; the loop stays between them, and a volatile read of memory that the
+    // program may also use as its stack is a read of initialised bytes: the paint or a value.
+    while word < top && unsafe { word.read_volatile() } == PAINT {
+        // SAFETY: `word < top`, so the next word is at most one past the end.
+        word = unsafe { word.add(1) };
+    }
+    (top as usize - word as usize) as u32
+}
+
+/// Reads the 25 MHz counter, in three instructions.
+#[inline(always)]
+pub(crate) fn counter() -> u32 {
+    let ticks;
+    // SAFETY: reads the counter of the FPGAIO block (application note AN385), which has no
+    // side effect. Written in assembly so that each reading costs the same; without `nomem`,
+    // so that no access to memory moves from one side of a reading to the other.
+    unsafe {
+        asm!(
+            "movw {t}, #0x8018",
+            "movt {t}, #0x4002",
+            "ldr {t}, [{t}]",
+            t = out(reg) ticks,
+            options(nostack, preserves_flags),
+        );
+    }
+    ticks
+}
+
+/// Code of known lengths between two readings, as pairs of length and the readings.
+pub(crate) fn counted_code() -> [(u32, u32, u32); PROBES] {
+    macro_rules! between_readings {
+        ($length:expr; $($line:literal),+; $($name:ident = $operand:expr)?) => {{
+            let start = counter();
+            // SAFETY: works in registers only, declared below; touches no memory.
+            unsafe {
+                asm!($($line,)* $($name = const $operand,)?
+                    out("r2") _, options(nomem, nostack));
+            }
+            let end = counter();
+            ($length, start, end)
+        }};
+    }
+    const TURNS: u32 = 1_000_000;
+    [
+        between_readings!(0; "";),
+        between_readings!(1; "nop";),
+        between_readings!(7; "nop", "nop", "nop", "nop", "nop", "nop", "nop";),
+        // movw, movt, and a subtraction and a branch a turn.
+        between_readings!(
+            2 + 2 * TURNS;
+            "movw r2, #({turns} & 0xFFFF)",
+            "movt r2, #({turns} >> 16)",
+            "2: subs r2, r2, #1",
+            "bne 2b";
+            turns = TURNS
+        ),
+    ]
+}
+
+/// Ends the emulator: a fault is never waited out.
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    defmt::error!("fault at {=u32:#010x}", frame.pc());
+    crate::exit(Exit::Fault)
+}
