@@ -63,10 +63,13 @@ pub trait Geometry: Sync {
     /// `None` when the list is empty.
     fn sample_at(&self, primitives: &[u32], centre: DVec3) -> Option<Sample>;
 
-    /// The surface's area with every piece weighted by |nx| + |ny| + |nz| of its unit
-    /// normal, in squares of the cube's side. Times n^2 it is about the number of cells, n
-    /// an axis, that a surface meets; that is what it is for.
-    fn weighted_area(&self) -> f64;
+    /// The surface's area in squares of the cube's side, every piece of it times `weight` of
+    /// its unit normal (|nx|, |ny|, |nz|). `weight` is of the first degree: of twice the vector
+    /// it is twice as much.
+    ///
+    /// A plane meets |nx| + |ny| + |nz| cells an area of one cell's face, and crosses
+    /// max(|nx|, |ny|, |nz|) of them: so the number of leaves is foreseen.
+    fn weighted_area(&self, weight: fn(DVec3) -> f64) -> f64;
 
     /// The object as triangles, fine enough to serve as the truth that pictures are held
     /// against.

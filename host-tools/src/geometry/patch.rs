@@ -88,6 +88,34 @@ impl Patch {
         })
     }
 
+    /// From (u, v) towards the point of the patch nearest `p`: a few Gauss-Newton steps, as long
+    /// as they come nearer.
+    #[must_use]
+    pub fn approach(&self, p: DVec3, mut u: f64, mut v: f64) -> (f64, f64) {
+        let mut distance = p.distance_squared(self.at(u, v));
+        for _ in 0..4 {
+            let (bu, bv) = (bernstein(u), bernstein(v));
+            let to = p - self.blend(bu, bv);
+            let (su, sv) = (self.blend(slopes(u), bv), self.blend(bu, slopes(v)));
+            let (uu, uv, vv) = (su.dot(su), su.dot(sv), sv.dot(sv));
+            let det = uu * vv - uv * uv;
+            if det <= 1e-9 * uu * vv {
+                break;
+            }
+            let (du, dv) = (su.dot(to), sv.dot(to));
+            let next = (
+                (u + (vv * du - uv * dv) / det).clamp(0.0, 1.0),
+                (v + (uu * dv - uv * du) / det).clamp(0.0, 1.0),
+            );
+            let nearer = p.distance_squared(self.at(next.0, next.1));
+            if nearer >= distance {
+                break;
+            }
+            (u, v, distance) = (next.0, next.1, nearer);
+        }
+        (u, v)
+    }
+
     /// About how far the surface and its two triangles are from each other, as sets of points:
     /// across the patch, how far control points are from those of the bilinear patch with the
     /// same corners, and what that has of twist; along its edges, how far from the chord. How
@@ -121,7 +149,6 @@ impl Patch {
     }
 
     /// Both halves along whichever parameter bends more.
-    #[must_use]
     fn halves(&self) -> ([Self; 2], Axis) {
         let along_u = self.points.into_iter().map(sag).fold(0.0, f64::max);
         let along_v = (0..4).map(|i| sag(self.column(i))).fold(0.0, f64::max);
@@ -222,12 +249,107 @@ impl Piece {
                 u += weight * at.0;
                 v += weight * at.1;
             }
-            (point, u.clamp(u0, u1), v.clamp(v0, v1))
+            (point, u, v)
         });
         if p.distance_squared(second.0) < p.distance_squared(first.0) {
             second
         } else {
             first
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A lattice over the unit square whose points are moved by up to 0.2.
+    fn any_patch() -> impl Strategy<Value = Patch> {
+        let moved = prop::array::uniform3(-0.2..0.2_f64).prop_map(DVec3::from_array);
+        prop::array::uniform4(prop::array::uniform4(moved)).prop_map(|moves| {
+            let mut points = moves;
+            for (row, points) in points.iter_mut().enumerate() {
+                for (column, point) in points.iter_mut().enumerate() {
+                    *point += DVec3::new(column as f64 / 3.0, row as f64 / 3.0, 0.0);
+                }
+            }
+            Patch { points }
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn halves_are_the_same_surface(patch in any_patch(), u in 0.0..=1.0_f64, v in 0.0..=1.0_f64) {
+            let ([first, second], axis) = patch.halves();
+            let (a, b) = match axis {
+                Axis::U => (patch.at(0.5 * u, v), patch.at(0.5 + 0.5 * u, v)),
+                Axis::V => (patch.at(u, 0.5 * v), patch.at(u, 0.5 + 0.5 * v)),
+            };
+            prop_assert!(first.at(u, v).distance(a) < 1e-14);
+            prop_assert!(second.at(u, v).distance(b) < 1e-14);
+        }
+
+        #[test]
+        fn the_normal_is_across_both_derivatives(patch in any_patch(), u in 0.1..0.9_f64, v in 0.1..0.9_f64) {
+            const STEP: f64 = 1e-6;
+            let su = (patch.at(u + STEP, v) - patch.at(u - STEP, v)) / (2.0 * STEP);
+            let sv = (patch.at(u, v + STEP) - patch.at(u, v - STEP)) / (2.0 * STEP);
+            prop_assume!(su.cross(sv).length() > 0.1);
+            prop_assert!(patch.normal(u, v).distance(su.cross(sv).normalize()) < 1e-6);
+        }
+
+        #[test]
+        fn no_point_of_the_surface_is_far_from_the_pieces(patch in any_patch(), u in 0.0..=1.0_f64, v in 0.0..=1.0_f64) {
+            const MOST: f64 = 1e-3;
+            let mut pieces = Vec::new();
+            patch.pieces(MOST, &mut pieces);
+            let p = patch.at(u, v);
+            let near = pieces.iter().map(|piece| piece.nearest(p).0.distance(p));
+            prop_assert!(near.fold(f64::INFINITY, f64::min) <= 2.0 * MOST);
+            // And they tile the square of (u, v).
+            let area = |piece: &Piece| (piece.u[1] - piece.u[0]) * (piece.v[1] - piece.v[0]);
+            prop_assert!((pieces.iter().map(area).sum::<f64>() - 1.0).abs() < 1e-12);
+        }
+
+        #[test]
+        fn approaching_a_point_of_the_surface_finds_it(patch in any_patch(), u in 0.1..0.9_f64, v in 0.1..0.9_f64) {
+            let p = patch.at(u, v);
+            prop_assume!(patch.normal(u, v).z > 0.7);
+            let (u, v) = patch.approach(p, u + 0.01, v - 0.01);
+            prop_assert!(patch.at(u, v).distance(p) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn at_a_pole_the_normal_is_the_limit_from_inside() {
+        // A paraboloid's cap: the top edge is one point.
+        let cap = |flip: bool| {
+            let mut points = [(0.0, 1.0), (0.4, 1.0), (0.8, 0.8), (1.0, 0.5)].map(|(r, y)| {
+                [(1.0, 0.0), (1.0, 0.55), (0.55, 1.0), (0.0, 1.0)]
+                    .map(|(x, z)| DVec3::new(r * x, y, r * z))
+            });
+            if flip {
+                points.reverse();
+            }
+            Patch { points }
+        };
+        for u in [0.0, 0.3, 1.0] {
+            assert!(cap(false).normal(u, 0.0).distance(DVec3::Y) < 1e-12);
+            assert!(cap(true).normal(u, 1.0).distance(DVec3::NEG_Y) < 1e-12);
+            assert!(cap(false).normal(u, 1e-4).distance(DVec3::Y) < 1e-3);
+        }
+    }
+
+    #[test]
+    fn a_flat_patch_is_one_piece_however_its_points_are_spaced() {
+        let places = [0.0, 0.7, 0.8, 1.0];
+        let patch = Patch {
+            points: places.map(|y| places.map(|x| DVec3::new(x, y, 0.0))),
+        };
+        let mut pieces = Vec::new();
+        patch.pieces(1e-9, &mut pieces);
+        assert_eq!(pieces.len(), 1);
     }
 }

@@ -11,6 +11,7 @@
 use std::borrow::Cow;
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::cells::Subcells;
 use super::patch::{Patch, Piece};
@@ -137,12 +138,15 @@ impl Teapot {
             *point =
                 (*point - DVec3::new(MIDDLE, 0.5 * (HEIGHT - THICKNESS), 0.0)) / (2.0 * RADIUS);
         }
-        let mut pieces = Vec::new();
-        for (number, (patch, _)) in patches.iter().enumerate() {
-            let mut parts = Vec::new();
-            patch.pieces(FLAT, &mut parts);
-            pieces.extend(parts.into_iter().map(|piece| (piece, number)));
-        }
+        let pieces = patches
+            .par_iter()
+            .enumerate()
+            .flat_map_iter(|(number, (patch, _))| {
+                let mut parts = Vec::new();
+                patch.pieces(FLAT, &mut parts);
+                parts.into_iter().map(move |piece| (piece, number))
+            })
+            .collect();
         Self { patches, pieces }
     }
 }
@@ -191,7 +195,8 @@ fn mirrored(sections: &[Section]) -> [Patch; 2] {
 /// The slab's profiles, from the middle of its top outwards, round its edge, and back.
 fn slab() -> [(Profile, [u8; 3]); 6] {
     let line = |from: f64, to: f64, height: f64| {
-        [0.0, 1.0, 2.0, 3.0].map(|third| (from + (to - from) * third / 3.0, height))
+        // So weighted that both ends are exact: a pole must be one point.
+        [0.0, 1.0, 2.0, 3.0].map(|third| ((from * (3.0 - third) + to * third) / 3.0, height))
     };
     let bevel = 0.5 * THICKNESS;
     let edge = RADIUS - bevel;
@@ -243,6 +248,7 @@ impl Geometry for Teapot {
         }
         let (patch, u, v) = found?;
         let (patch, colour) = &self.patches[patch];
+        let (u, v) = patch.approach(centre, u, v);
         Some(Sample {
             position: patch.at(u, v),
             normal: patch.normal(u, v),
@@ -250,14 +256,10 @@ impl Geometry for Teapot {
         })
     }
 
-    fn weighted_area(&self) -> f64 {
-        self.pieces
-            .iter()
-            .flat_map(|(piece, _)| piece.triangles)
-            .map(|corners| {
-                let normal = triangle::area_normal(&corners).abs();
-                0.5 * (normal.x + normal.y + normal.z)
-            })
+    fn weighted_area(&self, weight: fn(DVec3) -> f64) -> f64 {
+        let triangles = self.pieces.iter().flat_map(|(piece, _)| &piece.triangles);
+        triangles
+            .map(|corners| 0.5 * weight(triangle::area_normal(corners).abs()))
             .sum()
     }
 
@@ -279,8 +281,8 @@ impl Geometry for Teapot {
                     let (b, c, d) = (a + 1, a + MESH + 1, a + MESH + 2);
                     for triangle in [[a, b, d], [a, d, c]] {
                         let corners = triangle.map(|v| mesh.positions[v as usize]);
-                        // At a pole every other triangle is a line.
-                        if triangle::area_normal(&corners) != DVec3::ZERO {
+                        // At a pole every other triangle is a line, but for rounding.
+                        if triangle::area_normal(&corners).length() > 1e-14 {
                             mesh.triangles.push(triangle);
                         }
                     }
@@ -288,5 +290,96 @@ impl Geometry for Teapot {
             }
         }
         Cow::Owned(mesh)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn everything(pot: &Teapot) -> Vec<u32> {
+        (0..pot.primitives()).collect()
+    }
+
+    #[test]
+    fn the_slab_is_as_wide_as_the_cube_and_nothing_reaches_out() {
+        let pot = Teapot::new();
+        let mesh = pot.mesh();
+        let low = mesh.positions.iter().copied().reduce(DVec3::min).unwrap();
+        let high = mesh.positions.iter().copied().reduce(DVec3::max).unwrap();
+        let half = DVec3::new(0.5, 0.5 * (HEIGHT + THICKNESS) / (2.0 * RADIUS), 0.5);
+        assert!((high - half).length() < 1e-12, "{high}");
+        assert!((low + half).length() < 1e-12, "{low}");
+    }
+
+    #[test]
+    fn the_normals_are_of_length_1_and_agree_with_the_triangles() {
+        let mesh = Teapot::new().mesh().into_owned();
+        for triangle in &mesh.triangles {
+            let face = triangle::area_normal(&triangle.map(|v| mesh.positions[v as usize]));
+            for v in triangle {
+                let normal = mesh.normals[*v as usize];
+                assert!((normal.length() - 1.0).abs() < 1e-12);
+                let cosine = face.normalize().dot(normal);
+                assert!(cosine > 0.8, "{cosine} at {}", mesh.positions[*v as usize]);
+            }
+        }
+    }
+
+    #[test]
+    fn poles_and_places_between_them_face_where_they_should() {
+        let pot = Teapot::new();
+        let all = everything(&pot);
+        let place = |x: f64, y: f64, z: f64| {
+            DVec3::new(x - MIDDLE, y - 0.5 * (HEIGHT - THICKNESS), z) / (2.0 * RADIUS)
+        };
+        for (from, to, normal) in [
+            // The knob's top, the slab's middle from below, the body from four sides.
+            ((0.0, 3.3, 0.0), (0.0, 3.15, 0.0), DVec3::Y),
+            ((MIDDLE, -0.4, 0.0), (MIDDLE, -0.3, 0.0), DVec3::NEG_Y),
+            ((0.0, 0.9, 2.2), (0.0, 0.9, 2.0), DVec3::Z),
+            ((0.0, 0.9, -2.2), (0.0, 0.9, -2.0), DVec3::NEG_Z),
+            // The slab's rim and top.
+            (
+                (MIDDLE + 3.7, -0.15, 0.0),
+                (MIDDLE + 3.6, -0.15, 0.0),
+                DVec3::X,
+            ),
+            ((MIDDLE - 3.2, 0.1, 0.0), (MIDDLE - 3.2, 0.0, 0.0), DVec3::Y),
+            // The handle from above, the spout's belly from the side.
+            ((-2.0, 2.4, 0.0), (-2.0, 2.22, 0.0), DVec3::Y),
+            ((2.4, 1.2, 1.0), (2.4, 1.2, 0.4), DVec3::Z),
+        ] {
+            let sample = pot.sample_at(&all, place(from.0, from.1, from.2)).unwrap();
+            let off = sample.position.distance(place(to.0, to.1, to.2)) * 2.0 * RADIUS;
+            assert!(off < 0.25, "{from:?}: {off} off");
+            let cosine = sample.normal.dot(normal);
+            assert!(cosine > 0.8, "{from:?}: {}", sample.normal);
+        }
+    }
+
+    #[test]
+    fn the_pieces_lie_on_the_surface() {
+        let pot = Teapot::new();
+        for (piece, patch) in pot.pieces.iter().step_by(101) {
+            let patch = &pot.patches[*patch].0;
+            let middle = patch.at(
+                f64::midpoint(piece.u[0], piece.u[1]),
+                f64::midpoint(piece.v[0], piece.v[1]),
+            );
+            let (near, _, _) = piece.nearest(middle);
+            assert!(near.distance(middle) <= 2.0 * FLAT);
+            let corner = patch.at(piece.u[0], piece.v[0]);
+            assert!(corner.distance(piece.triangles[0][0]) < 1e-14);
+        }
+    }
+
+    #[test]
+    fn the_ground_has_colours_of_its_own() {
+        let pot = Teapot::new();
+        let colour = |x: f64, y: f64| pot.sample_at(&everything(&pot), DVec3::new(x, y, 0.0));
+        assert_eq!(colour(0.49, -0.2).unwrap().colour, STONE);
+        assert_eq!(colour(2.95 / 7.2, -0.19).unwrap().colour, INLAY);
+        assert_eq!(colour(0.0, 0.3).unwrap().colour, GLAZE);
     }
 }
