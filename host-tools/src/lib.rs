@@ -3,13 +3,19 @@
 
 pub mod blob_file;
 pub mod cli;
+pub mod compare;
+pub mod depth;
 pub mod encode;
 pub mod failure;
 pub mod geometry;
 pub mod mesh;
 pub mod model;
 pub mod palette;
+pub mod picture;
 pub mod quantise;
+pub mod reference;
 pub mod render;
+pub mod replace;
 pub mod sampling;
+pub mod source;
 pub mod view;

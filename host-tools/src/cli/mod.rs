@@ -1,5 +1,8 @@
 //! The command line: one file a command, nothing but flags, calls and printing.
 
+pub mod compare;
+pub mod reference;
+
 use clap::{Parser, Subcommand};
 
 use crate::failure::Outcome;
@@ -18,7 +21,10 @@ pub struct Rho {
 }
 
 #[derive(Subcommand, Debug)]
-enum Command {}
+enum Command {
+    Reference(reference::Reference),
+    Compare(compare::Compare),
+}
 
 impl Rho {
     /// Runs the command.
@@ -26,6 +32,9 @@ impl Rho {
     /// # Errors
     /// Whatever the command ends with; see [`crate::failure::Exit`].
     pub fn run(self) -> Outcome {
-        match self.command {}
+        match self.command {
+            Command::Reference(command) => command.run(),
+            Command::Compare(command) => command.run(),
+        }
     }
 }
