@@ -96,7 +96,7 @@ const INLAY: [u8; 3] = [226, 216, 188];
 /// hundredth of a cell at 1,000 cells an axis.
 const FLAT: f64 = 1e-5;
 
-/// Rows and columns into which [`Geometry::mesh`] cuts a patch; the triangles lie within 3e-5
+/// Rows and columns into which [`Geometry::mesh`] cuts a patch; the triangles lie within 4e-5
 /// of the surface.
 const MESH: u32 = 64;
 
