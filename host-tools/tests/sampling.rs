@@ -1,80 +1,26 @@
-//! Sampling whole scans: the number of cells, and how long it takes.
+//! Sampling whole models: the number of cells, the shape of the teapot, and how long it takes.
 
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicU64;
 use std::time::Instant;
 
 use glam::DVec3;
+use host_tools::geometry::teapot::Teapot;
 use host_tools::geometry::triangles::Triangles;
+use host_tools::geometry::{Geometry, procedural};
 use host_tools::mesh::Mesh;
-use host_tools::sampling::{Sampling, Separation, Sequence, Tree};
+use host_tools::model::{self, LoadOptions};
+use host_tools::sampling::{Sampling, Separation, Sequence};
 
 fn scan(name: &str) -> Mesh {
-    let folder = std::env::var_os("RHO_MODELS").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models"),
-        PathBuf::from,
-    );
-    let path = folder.join(name);
+    let path = model::scan(name).unwrap_or_else(|failure| panic!("{failure}"));
     load(&path)
 }
 
 fn load(path: &Path) -> Mesh {
-    let file = std::fs::read(path).unwrap_or_else(|error| {
-        panic!(
-            "{}: {error}; set RHO_MODELS to the folder of the test scans",
-            path.display()
-        )
-    });
-    let mut bytes = Vec::new();
-    flate2::read::GzDecoder::new(&file[..])
-        .read_to_end(&mut bytes)
-        .unwrap();
-    let end = bytes
-        .windows(11)
-        .position(|w| w == b"end_header\n")
-        .unwrap()
-        + 11;
-    let header = std::str::from_utf8(&bytes[..end]).unwrap();
-    let count = |what: &str| -> usize {
-        let line = header.lines().find_map(|l| l.strip_prefix(what)).unwrap();
-        line.trim().parse().unwrap()
-    };
-    let (vertices, faces) = (count("element vertex"), count("element face"));
-    let mut at = end;
-    let mut take = || {
-        at += 4;
-        <[u8; 4]>::try_from(&bytes[at - 4..at]).unwrap()
-    };
-    let mut positions: Vec<DVec3> = (0..vertices)
-        .map(|_| DVec3::from_array([(); 3].map(|()| f64::from(f32::from_le_bytes(take())))))
-        .collect();
-    let triangles: Vec<[u32; 3]> = bytes[at..]
-        .chunks_exact(13)
-        .map(|f| [1, 5, 9].map(|i| u32::from_le_bytes(f[i..i + 4].try_into().unwrap())))
-        .collect();
-    assert_eq!(triangles.len(), faces);
-    let low = positions.iter().copied().reduce(DVec3::min).unwrap();
-    let high = positions.iter().copied().reduce(DVec3::max).unwrap();
-    let side = (high - low).max_element();
-    for p in &mut positions {
-        *p = (*p - (low + high) / 2.0) / side;
-    }
-    let mut normals = vec![DVec3::ZERO; positions.len()];
-    for t in &triangles {
-        let [a, b, c] = t.map(|v| positions[v as usize]);
-        for v in t {
-            normals[*v as usize] += (b - a).cross(c - a);
-        }
-    }
-    for n in &mut normals {
-        *n = n.try_normalize().unwrap_or(DVec3::Y);
-    }
-    Mesh {
-        positions,
-        normals,
-        colours: Vec::new(),
-        triangles,
+    match model::load(path, &LoadOptions::default()) {
+        Ok(loaded) => loaded.mesh,
+        Err(failure) => panic!("{failure}"),
     }
 }
 
@@ -86,21 +32,54 @@ fn sampling(sequence: &[u8], separation: Separation) -> Sampling {
     }
 }
 
-fn grow(mesh: &Mesh, sequence: &[u8], separation: Separation) -> Tree {
-    sampling(sequence, separation)
-        .sample(&Triangles::new(mesh), &AtomicU64::new(0))
-        .unwrap()
-}
-
 /// The tables of Duguet & Drettakis 2003 print 26k and 230k nodes. The leaves were counted
 /// once more by clipping triangles against boxes; the counts hold for boxes larger or smaller
 /// by 1e-8, so no rounding decides them.
 #[test]
 fn the_bunny_has_the_cells_of_the_papers_table() {
-    let bunny = scan("bunny.ply.gz");
+    let bunny = scan("bunny");
     for (levels, leaves, nodes) in [(4, 22_459, 25_170), (5, 202_421, 227_591)] {
-        let tree = grow(&bunny, &[3; 5][..levels], Separation::TwentySix);
+        let tree = sampling(&[3; 5][..levels], Separation::TwentySix)
+            .sample(&Triangles::new(&bunny), &AtomicU64::new(0))
+            .unwrap();
         assert_eq!((tree.leaves(), tree.nodes()), (leaves, nodes));
+    }
+}
+
+/// Every vertex of a tessellation made by others lies on the patches, but for rounding to
+/// f32: so all control points are right.
+#[test]
+fn the_teapot_has_the_shape_that_everyone_knows() {
+    let known = scan("teapot");
+    // Without the slab the pot is 6.434 wide and its middle 1.575 above the slab.
+    let (size, up) = (6.434 / 7.2, (1.575 - 1.425) / 7.2);
+    let pot = Teapot::new();
+    let all: Vec<u32> = (0..pot.primitives()).collect();
+    for vertex in known.positions.iter().step_by(41) {
+        let place = *vertex * size + up * DVec3::Y;
+        let off = pot.sample_at(&all, place).unwrap().position.distance(place);
+        assert!(off < 1e-6, "{place} is {off} off");
+    }
+}
+
+#[test]
+fn the_teapot_and_its_triangles_meet_the_same_cells() {
+    let pot = procedural("teapot").unwrap();
+    let mesh = pot.mesh();
+    for separation in [Separation::TwentySix, Separation::Six] {
+        let sampling = sampling(&[2, 3, 3, 3], separation);
+        let leaves = AtomicU64::new(0);
+        let true_tree = sampling.sample(&*pot, &leaves).unwrap();
+        let tree = sampling.sample(&Triangles::new(&mesh), &leaves).unwrap();
+        let (a, b) = (true_tree.leaves() as f64, tree.leaves() as f64);
+        assert!((a / b - 1.0).abs() < 1e-3, "{a} {b}");
+        // Discs of both lie in the same planes.
+        let (a, b) = (&true_tree.levels[1], &tree.levels[1]);
+        assert_eq!(a.masks.len(), b.masks.len());
+        for (a, b) in a.samples.iter().zip(&b.samples) {
+            assert!(a.normal.dot(b.normal) > 0.999, "{a:?} {b:?}");
+            assert!((a.offset - b.offset).abs() < 1e-3, "{a:?} {b:?}");
+        }
     }
 }
 
@@ -109,37 +88,61 @@ fn the_bunny_has_the_cells_of_the_papers_table() {
 #[test]
 #[ignore = "prints times"]
 fn how_long_sampling_takes() {
-    for (name, levels, separation) in [
-        ("bunny.ply.gz", 4, Separation::TwentySix),
-        ("bunny.ply.gz", 5, Separation::TwentySix),
-        ("bunny.ply.gz", 5, Separation::Six),
-        ("bunny.ply.gz", 6, Separation::TwentySix),
-        ("dragon.ply.gz", 5, Separation::TwentySix),
-        ("dragon.ply.gz", 5, Separation::Six),
+    let start = Instant::now();
+    let pot = Teapot::new();
+    println!("teapot laid out in {:.3} s", start.elapsed().as_secs_f64());
+    for levels in [4, 5, 6] {
+        time("teapot", &pot, &[3; 6][..levels]);
+    }
+    for name in [
+        "bunny",
+        "dragon",
+        "buddha_100k",
+        "tree_oak",
+        "autzen_terrain_color",
     ] {
+        let start = Instant::now();
         let mesh = scan(name);
-        let sampling = sampling(&[3; 6][..levels], separation);
+        let read = start.elapsed();
+        let geometry = Triangles::new(&mesh);
+        println!(
+            "{name}: {} triangles, read in {:.3} s, made ready in {:.3} s",
+            mesh.triangles.len(),
+            read.as_secs_f64(),
+            (start.elapsed() - read).as_secs_f64()
+        );
+        for levels in [4, 5, 6] {
+            time(name, &geometry, &[3; 6][..levels]);
+        }
+    }
+}
+
+fn time(name: &str, geometry: &impl Geometry, sequence: &[u8]) {
+    for separation in [Separation::TwentySix, Separation::Six] {
+        let sampling = sampling(sequence, separation);
+        let expected = sampling.expected_leaves(geometry);
+        let mut seconds = Vec::new();
+        let mut counts = (0, 0);
         for threads in [1, 2] {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()
                 .unwrap();
             let start = Instant::now();
-            let geometry = Triangles::new(&mesh);
-            let ready = start.elapsed();
             let tree = pool
-                .install(|| sampling.sample(&geometry, &AtomicU64::new(0)))
+                .install(|| sampling.sample(geometry, &AtomicU64::new(0)))
                 .unwrap();
-            println!(
-                "{name} {separation:?} {} cells, {threads} threads: {:.3} s ({:.3} s to get ready), \
-                 {} leaves (expected {}), {} nodes",
-                sampling.sequence.cells(),
-                start.elapsed().as_secs_f64(),
-                ready.as_secs_f64(),
-                tree.leaves(),
-                sampling.expected_leaves(&geometry),
-                tree.nodes()
-            );
+            seconds.push(start.elapsed().as_secs_f64());
+            counts = (tree.leaves(), tree.nodes());
         }
+        println!(
+            "{name} {separation:?} {} cells: {:.3} s on 1 thread, {:.3} s on 2; {} leaves \
+             (expected {expected}), {} nodes",
+            sampling.sequence.cells(),
+            seconds[0],
+            seconds[1],
+            counts.0,
+            counts.1
+        );
     }
 }

@@ -14,6 +14,8 @@
 //! which the paper has not.
 
 pub mod cells;
+pub mod patch;
+pub mod teapot;
 pub mod triangle;
 pub mod triangles;
 
@@ -61,12 +63,41 @@ pub trait Geometry: Sync {
     /// `None` when the list is empty.
     fn sample_at(&self, primitives: &[u32], centre: DVec3) -> Option<Sample>;
 
-    /// The surface's area with every piece weighted by |nx| + |ny| + |nz| of its unit
-    /// normal, in squares of the cube's side. Times n^2 it is about the number of cells, n
-    /// an axis, that a surface meets; that is what it is for.
-    fn weighted_area(&self) -> f64;
+    /// The surface's area in squares of the cube's side, every piece of it times `weight` of
+    /// its unit normal (|nx|, |ny|, |nz|). `weight` is of the first degree: of twice the vector
+    /// it is twice as much.
+    ///
+    /// A plane meets |nx| + |ny| + |nz| cells an area of one cell's face, and crosses
+    /// max(|nx|, |ny|, |nz|) of them: so the number of leaves is foreseen.
+    fn weighted_area(&self, weight: fn(DVec3) -> f64) -> f64;
 
     /// The object as triangles, fine enough to serve as the truth that pictures are held
     /// against.
     fn mesh(&self) -> Cow<'_, Mesh>;
+}
+
+/// The names that [`procedural`] knows.
+pub const PROCEDURAL: [&str; 1] = ["teapot"];
+
+/// An object that needs no file, by its name; `None` for a name that is not in
+/// [`PROCEDURAL`].
+#[must_use]
+pub fn procedural(name: &str) -> Option<Box<dyn Geometry>> {
+    match name {
+        "teapot" => Some(Box::new(teapot::Teapot::new())),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_procedural_name_has_an_object() {
+        for name in PROCEDURAL {
+            assert!(procedural(name).is_some_and(|object| object.primitives() > 0));
+        }
+        assert!(procedural("coffee").is_none());
+    }
 }

@@ -75,14 +75,9 @@ impl Geometry for Triangles<'_> {
         })
     }
 
-    fn weighted_area(&self) -> f64 {
-        self.corners
-            .iter()
-            .map(|corners| {
-                let normal = triangle::area_normal(corners).abs();
-                0.5 * (normal.x + normal.y + normal.z)
-            })
-            .sum()
+    fn weighted_area(&self, weight: fn(DVec3) -> f64) -> f64 {
+        let areas = self.corners.iter().map(triangle::area_normal);
+        areas.map(|normal| 0.5 * weight(normal.abs())).sum()
     }
 
     fn mesh(&self) -> Cow<'_, Mesh> {
@@ -158,8 +153,11 @@ mod tests {
     }
 
     #[test]
-    fn the_weighted_area_of_a_box_counts_each_face_once() {
-        let mesh = mesh();
-        assert!((Triangles::new(&mesh).weighted_area() - 0.08).abs() < 1e-15);
+    fn an_area_is_weighted_by_its_normal() {
+        let mut mesh = mesh();
+        let area = |mesh: &Mesh| Triangles::new(mesh).weighted_area(DVec3::element_sum);
+        assert!((area(&mesh) - 0.08).abs() < 1e-15);
+        mesh.positions[2] = DVec3::new(0.0, 0.4, 0.4);
+        assert!((area(&mesh) - 0.16).abs() < 1e-15);
     }
 }
