@@ -32,12 +32,13 @@ impl Pixels {
 /// Cells of the same extent are asked about together: what follows from the extent alone is in
 /// the rule's own type, made once.
 pub trait Footprint: Copy {
-    /// For cells of this half extent along x and y, Q8.
-    fn of(half_x: i32, half_y: i32) -> Self;
+    /// For cells of this half extent along x and y, Q8, whose centres are given with `Q` bits
+    /// after the point: 8 or 16.
+    fn of<const Q: u32>(half_x: i32, half_y: i32) -> Self;
 
     /// The pixels that a cell colours when it is drawn from its sample; x and y are its centre,
-    /// Q8.
-    fn cover(self, x: i32, y: i32) -> Pixels;
+    /// with as many bits after the point.
+    fn cover<const Q: u32>(self, x: i32, y: i32) -> Pixels;
 
     /// Pixels of which a sample in or below a cell of these bounds may colour none other.
     fn reach(bounds: Bounds) -> Pixels;
@@ -49,13 +50,13 @@ pub struct Point;
 
 impl Footprint for Point {
     #[inline(always)]
-    fn of(_: i32, _: i32) -> Self {
+    fn of<const Q: u32>(_: i32, _: i32) -> Self {
         Self
     }
 
     #[inline(always)]
-    fn cover(self, x: i32, y: i32) -> Pixels {
-        let (x, y) = (x >> 8, y >> 8);
+    fn cover<const Q: u32>(self, x: i32, y: i32) -> Pixels {
+        let (x, y) = (x >> Q, y >> Q);
         Pixels {
             x: (x, x),
             y: (y, y),
@@ -80,15 +81,15 @@ pub struct Splat {
 
 impl Footprint for Splat {
     #[inline(always)]
-    fn of(half_x: i32, half_y: i32) -> Self {
+    fn of<const Q: u32>(half_x: i32, half_y: i32) -> Self {
         Self {
             side: (half_x.max(half_y) + 127) >> 7,
         }
     }
 
     #[inline(always)]
-    fn cover(self, x: i32, y: i32) -> Pixels {
-        let first = |centre: i32| (centre - (self.side << 7) + 128) >> 8;
+    fn cover<const Q: u32>(self, x: i32, y: i32) -> Pixels {
+        let first = |centre: i32| (centre + ((1 - self.side) << (Q - 1))) >> Q;
         let (x, y) = (first(x), first(y));
         Pixels {
             x: (x, x + self.side - 1),
@@ -120,8 +121,8 @@ pub struct PixelCentre {
 
 impl Footprint for PixelCentre {
     #[inline(always)]
-    fn of(half_x: i32, half_y: i32) -> Self {
-        let ends = |half: i32| (127 - half, half - 128);
+    fn of<const Q: u32>(half_x: i32, half_y: i32) -> Self {
+        let ends = |half: i32| ((127 - half) << (Q - 8), (half - 128) << (Q - 8));
         Self {
             x: ends(half_x),
             y: ends(half_y),
@@ -129,10 +130,10 @@ impl Footprint for PixelCentre {
     }
 
     #[inline(always)]
-    fn cover(self, x: i32, y: i32) -> Pixels {
+    fn cover<const Q: u32>(self, x: i32, y: i32) -> Pixels {
         Pixels {
-            x: ((x + self.x.0) >> 8, (x + self.x.1) >> 8),
-            y: ((y + self.y.0) >> 8, (y + self.y.1) >> 8),
+            x: ((x + self.x.0) >> Q, (x + self.x.1) >> Q),
+            y: ((y + self.y.0) >> Q, (y + self.y.1) >> Q),
         }
     }
 
@@ -140,7 +141,7 @@ impl Footprint for PixelCentre {
     fn reach(b: Bounds) -> Pixels {
         // The bounds of subcells are wider than exact by their slack; so are these, and by more.
         let wider = |half: i32| half + (half >> 6) + 8;
-        Self::of(wider(b.half_x), wider(b.half_y)).cover(b.x, b.y)
+        Self::of::<8>(wider(b.half_x), wider(b.half_y)).cover::<8>(b.x, b.y)
     }
 }
 
@@ -149,7 +150,7 @@ mod tests {
     use super::*;
 
     fn along_x<F: Footprint>(x: i32, half: i32) -> (i32, i32) {
-        F::of(half, half).cover(x, x).x
+        F::of::<8>(half, half).cover::<8>(x, x).x
     }
 
     #[test]

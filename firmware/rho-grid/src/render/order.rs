@@ -12,23 +12,38 @@ const MAX_SUBCELLS: usize = 125;
 /// Subcells in order.
 pub(super) type List = [u8; MAX_SUBCELLS];
 
-/// The slabs of an axis divided by rho, from the eye's outwards.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "evaluated by the compiler, where an index out of range is an error"
-)]
-const fn outwards(rho: usize, eye: usize) -> [u8; 5] {
-    let mut slabs = [0; 5];
-    let mut at = 0;
-    while at < rho {
-        // eye, eye - 1, ... 0, then eye + 1, ...
-        slabs[at] = if at <= eye { eye - at } else { at } as u8;
-        at += 1;
+/// Up to five small numbers in the order in which they are taken, four bits each, one more than
+/// the number; the end is 0.
+#[derive(Clone, Copy)]
+pub(super) struct Few(u32);
+
+impl Iterator for Few {
+    type Item = u32;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<u32> {
+        let n = self.0 & 15;
+        self.0 >>= 4;
+        n.checked_sub(1)
     }
-    slabs
 }
 
-/// `SLABS[eye's slab]` for one rho.
+/// The slabs of an axis divided by rho, those in `bits`, from the eye's outwards.
+const fn outwards(rho: u32, eye: u32, bits: u32) -> Few {
+    let mut few = 0;
+    let mut at = rho;
+    while at > 0 {
+        at -= 1;
+        // eye, eye - 1, ... 0, then eye + 1, ...
+        let slab = if at <= eye { eye - at } else { at };
+        if bits >> slab & 1 == 1 {
+            few = few << 4 | (slab + 1);
+        }
+    }
+    Few(few)
+}
+
+/// Orders along an axis for one rho.
 struct Axis<const RHO: usize>;
 
 #[allow(
@@ -36,33 +51,14 @@ struct Axis<const RHO: usize>;
     reason = "evaluated by the compiler, where an index out of range is an error"
 )]
 impl<const RHO: usize> Axis<RHO> {
-    const SLABS: [[u8; 5]; 5] = {
-        let mut slabs = [[0; 5]; 5];
+    /// `ROWS[eye's slab][bits]`: those of the slabs that `bits` names. Rows beyond rho are empty.
+    const ROWS: [[Few; 32]; 8] = {
+        let mut rows = [[Few(0); 32]; 8];
         let mut eye = 0;
         while eye < RHO {
-            slabs[eye] = outwards(RHO, eye);
-            eye += 1;
-        }
-        slabs
-    };
-
-    /// `ROWS[eye's slab][bits of a row]`: the subcells of the row in order, and how many.
-    const ROWS: [[([u8; 5], u8); 32]; 5] = {
-        let mut rows = [[([0; 5], 0); 32]; 5];
-        let mut eye = 0;
-        while eye < RHO {
-            let order = outwards(RHO, eye);
             let mut bits = 0;
             while bits < 1 << RHO {
-                let mut at = 0;
-                while at < RHO {
-                    let row = &mut rows[eye][bits];
-                    if bits >> order[at] & 1 == 1 {
-                        row.0[row.1 as usize] = order[at];
-                        row.1 += 1;
-                    }
-                    at += 1;
-                }
+                rows[eye][bits] = outwards(RHO as u32, eye as u32, bits as u32);
                 bits += 1;
             }
             eye += 1;
@@ -74,9 +70,9 @@ impl<const RHO: usize> Axis<RHO> {
 /// The order of a cell's subcells for one place of the eye.
 #[derive(Clone, Copy)]
 pub(super) struct Order<const RHO: usize> {
-    rows: &'static [([u8; 5], u8); 32],
-    along_y: &'static [u8; 5],
-    along_z: &'static [u8; 5],
+    along_x: &'static [Few; 32],
+    along_y: Few,
+    along_z: Few,
 }
 
 impl<const RHO: usize> Order<RHO> {
@@ -84,42 +80,42 @@ impl<const RHO: usize> Order<RHO> {
     /// outside.
     #[inline(always)]
     pub(super) fn new(eye: [i32; 3]) -> Self {
-        let [x, y, z] = eye.map(|e| e.clamp(0, RHO as i32 - 1) as usize);
-        let slabs = |eye: usize| Axis::<RHO>::SLABS.get(eye).unwrap_or(&[0; 5]);
+        let along = |eye: i32| {
+            let eye = eye.clamp(0, RHO as i32 - 1) as usize & 7;
+            Axis::<RHO>::ROWS.get(eye).unwrap_or(&[Few(0); 32])
+        };
+        let all = |rows: &[Few; 32]| rows.get((1 << RHO) - 1).copied().unwrap_or(Few(0));
+        let [x, y, z] = eye;
         Self {
-            rows: Axis::<RHO>::ROWS.get(x).unwrap_or(&[([0; 5], 0); 32]),
-            along_y: slabs(y),
-            along_z: slabs(z),
+            along_x: along(x),
+            along_y: all(along(y)),
+            along_z: all(along(z)),
         }
     }
 
     /// The slabs along z that are not empty, and their bits.
     #[inline(always)]
-    pub(super) fn planes(self, mask: &[u32; 4]) -> impl Iterator<Item = (u8, u32)> {
-        let plane = |k: &u8| (*k, plane::<RHO>(mask, usize::from(*k)));
+    pub(super) fn planes(self, mask: &[u32; 4]) -> impl Iterator<Item = (u32, u32)> {
         self.along_z
-            .iter()
-            .take(RHO)
-            .map(plane)
+            .map(|k| (k, plane::<RHO>(mask, k as usize)))
             .filter(|(_, plane)| *plane != 0)
     }
 
     /// The rows of a slab that are not empty, and their bits.
     #[inline(always)]
-    pub(super) fn rows(self, plane: u32) -> impl Iterator<Item = (u8, u32)> {
-        let row = move |j: &u8| (*j, plane >> (RHO * usize::from(*j)) & ((1 << RHO) - 1));
+    pub(super) fn rows(self, plane: u32) -> impl Iterator<Item = (u32, u32)> {
         self.along_y
-            .iter()
-            .take(RHO)
-            .map(row)
+            .map(move |j| (j, plane >> (RHO as u32 * j & 31) & ((1 << RHO) - 1)))
             .filter(|(_, row)| *row != 0)
     }
 
     /// The subcells of a row.
     #[inline(always)]
-    pub(super) fn cells(self, row: u32) -> &'static [u8] {
-        let (cells, count) = self.rows.get(row as usize).unwrap_or(&([0; 5], 0));
-        cells.get(..usize::from(*count)).unwrap_or_default()
+    pub(super) fn cells(self, row: u32) -> Few {
+        self.along_x
+            .get(row as usize & 31)
+            .copied()
+            .unwrap_or(Few(0))
     }
 
     /// Lists all subcells in `mask`; returns how many there are.
@@ -128,10 +124,10 @@ impl<const RHO: usize> Order<RHO> {
         let mut count = 0;
         for (k, plane) in self.planes(mask) {
             for (j, row) in self.rows(plane) {
-                let first = RHO as u8 * (j + RHO as u8 * k);
+                let first = RHO as u32 * (j + RHO as u32 * k);
                 for i in self.cells(row) {
                     if let Some(entry) = list.get_mut(count) {
-                        *entry = first + i;
+                        *entry = (first + i) as u8;
                         count += 1;
                     }
                 }
@@ -144,6 +140,10 @@ impl<const RHO: usize> Order<RHO> {
 /// The bits of slab `k` along z.
 #[inline(always)]
 fn plane<const RHO: usize>(mask: &[u32; 4], k: usize) -> u32 {
+    if RHO <= 3 {
+        let [low, ..] = *mask;
+        return low >> (RHO * RHO * k & 31) & ((1 << (RHO * RHO)) - 1);
+    }
     let bit = RHO * RHO * k;
     let word = |i: usize| mask.get(i).copied().unwrap_or(0);
     let low = word(bit / 32) >> (bit % 32);

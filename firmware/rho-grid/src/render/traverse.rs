@@ -256,7 +256,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         let rho = i32::from(nodes.rho);
         let [ox, oy, oz] = open.place.map(|p| p * rho);
 
-        let footprint = F::of(steps.half.x, steps.half.y);
+        let footprint = F::of::<16>(steps.half.x, steps.half.y);
         let slabs = steps.slabs::<RHO>();
         let inside = self.is_inside(&block, steps.half);
         for &subcell in open.list.iter().take(usize::from(open.count)) {
@@ -290,13 +290,13 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
                 y: y << 8,
             };
             for (k, plane) in order.planes(&mask) {
-                let from = from.plus(slabs.z(k));
+                let from = from.plus(slabs.along::<2>(k));
                 for (j, row) in order.rows(plane) {
-                    let from = from.plus(slabs.y(j));
-                    let subcells = RHO as u8 * (j + RHO as u8 * k);
-                    for &i in order.cells(row) {
-                        let at = from.plus(slabs.x(i));
-                        let pixels = footprint.cover(at.x >> 8, at.y >> 8);
+                    let from = from.plus(slabs.along::<1>(j));
+                    let subcells = RHO as u32 * (j + RHO as u32 * k);
+                    for i in order.cells(row) {
+                        let at = from.plus(slabs.along::<0>(i));
+                        let pixels = footprint.cover::<16>(at.x, at.y);
                         let rect = if inside {
                             pixels.rect()
                         } else {
@@ -305,7 +305,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
                         let Some(rect) = rect else {
                             continue;
                         };
-                        let subcell = subcells + i;
+                        let subcell = (subcells + i) as u8;
                         let d = below_displacements.get(usize::from(subcell));
                         let w = centre_w + d.map_or(0, |d| d.w);
                         self.target.draw(rect, w, || {
@@ -360,7 +360,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             half_x,
             half_y,
         } = cell.bounds;
-        if let Some(rect) = self.clip(F::of(half_x, half_y).cover(x, y)) {
+        if let Some(rect) = self.clip(F::of::<8>(half_x, half_y).cover::<8>(x, y)) {
             self.target
                 .draw(rect, cell.centre.w, || shading.colour(grid.attribute(node)));
         }

@@ -93,43 +93,37 @@ pub(super) struct Steps {
     pub(super) half: Half,
 }
 
-/// From a cell's centre to its `RHO` slabs along each axis.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Slabs<const RHO: usize>([[Step; RHO]; 3]);
+/// From a cell's centre to its slabs along each axis; eight, so that any three bits name one.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slabs([[Step; 8]; 3]);
 
 impl Steps {
     /// The slabs of the cells that are divided by `RHO`.
     #[inline(always)]
-    pub(super) fn slabs<const RHO: usize>(&self) -> Slabs<RHO> {
-        Slabs(self.steps.map(|step| {
-            core::array::from_fn(|slab| {
+    pub(super) fn slabs<const RHO: usize>(&self) -> Slabs {
+        let mut slabs = Slabs::default();
+        for (axis, step) in slabs.0.iter_mut().zip(self.steps) {
+            for (slab, at) in axis.iter_mut().take(RHO).enumerate() {
                 let odd = 2 * slab as i32 + 1 - RHO as i32;
-                Step {
+                *at = Step {
                     x: (odd * step.x) >> 1,
                     y: (odd * step.y) >> 1,
-                }
-            })
-        }))
+                };
+            }
+        }
+        slabs
     }
 }
 
-impl<const RHO: usize> Slabs<RHO> {
+impl Slabs {
+    /// Along x (0), y (1) or z (2).
     #[inline(always)]
-    pub(super) fn x(&self, slab: u8) -> Step {
-        let [x, _, _] = &self.0;
-        x.get(usize::from(slab)).copied().unwrap_or_default()
-    }
-
-    #[inline(always)]
-    pub(super) fn y(&self, slab: u8) -> Step {
-        let [_, y, _] = &self.0;
-        y.get(usize::from(slab)).copied().unwrap_or_default()
-    }
-
-    #[inline(always)]
-    pub(super) fn z(&self, slab: u8) -> Step {
-        let [_, _, z] = &self.0;
-        z.get(usize::from(slab)).copied().unwrap_or_default()
+    pub(super) fn along<const AXIS: usize>(&self, slab: u32) -> Step {
+        self.0
+            .get(AXIS)
+            .and_then(|axis| axis.get(slab as usize & 7))
+            .copied()
+            .unwrap_or_default()
     }
 }
 
