@@ -2,6 +2,10 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod device;
 pub mod failure;
+pub mod firmware;
 pub mod mesh;
+pub mod panel;
+pub mod qemu;
 pub mod view;

@@ -4,6 +4,9 @@ use clap::{Parser, Subcommand};
 
 use crate::failure::Outcome;
 
+pub mod mode;
+pub mod run;
+
 /// Bakes 3D models for a microcontroller's flash and draws them with its code
 #[derive(Parser, Debug)]
 #[command(
@@ -18,7 +21,9 @@ pub struct Rho {
 }
 
 #[derive(Subcommand, Debug)]
-enum Command {}
+enum Command {
+    Run(Box<run::RunArgs>),
+}
 
 impl Rho {
     /// Runs the command.
@@ -26,6 +31,8 @@ impl Rho {
     /// # Errors
     /// Whatever the command ends with; see [`crate::failure::Exit`].
     pub fn run(self) -> Outcome {
-        match self.command {}
+        match self.command {
+            Command::Run(args) => args.run(),
+        }
     }
 }

@@ -1,0 +1,211 @@
+//! `rho run`: the frame, drawn by the firmware in QEMU and decoded from the panel's wire.
+
+use std::fs;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use fixed::traits::ToFixed;
+use rho_grid::q::Unit;
+use rho_viewer::count::Phase;
+use rho_viewer::request::{Request, Scene};
+use serde_json::json;
+
+use crate::cli::mode::ModeArgs;
+use crate::device::{self, Run};
+use crate::failure::{Failure, Outcome};
+use crate::firmware::Firmware;
+use crate::panel;
+use crate::view::ViewArgs;
+
+/// What to draw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Picture {
+    /// The model
+    Model,
+    /// Colours, gradients and corner marks: the first image on a new board
+    TestCard,
+    /// The test card, after code of known lengths that tells whether the counter reads true
+    CountLoop,
+}
+
+/// Draws a frame with the firmware in QEMU and decodes it from the bytes on the panel's wire
+#[derive(Args, Debug)]
+pub struct RunArgs {
+    /// The baked model
+    #[arg(value_name = "OUT.rho", required_if_eq("picture", "model"))]
+    model: Option<PathBuf>,
+    /// Where the picture goes, as PNG; replaced whole or not at all
+    #[arg(short, long, value_name = "F.png")]
+    output: Option<PathBuf>,
+    /// What to draw
+    #[arg(long, value_enum, default_value_t = Picture::Model)]
+    picture: Picture,
+    /// The firmware's image; without it, it is built from the workspace in this folder
+    #[arg(long, value_name = "ELF")]
+    firmware: Option<PathBuf>,
+    /// How long the device may take, in seconds
+    #[arg(long, value_name = "S", default_value = "60", value_parser = seconds)]
+    timeout: Duration,
+    /// One JSON object on standard output, nothing else
+    #[arg(long)]
+    json: bool,
+    /// The device's log on standard error
+    #[arg(short, long)]
+    verbose: bool,
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    mode: ModeArgs,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    text.parse()
+        .ok()
+        .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
+        .filter(|duration| !duration.is_zero())
+        .ok_or_else(|| "expected a number of seconds".to_owned())
+}
+
+impl RunArgs {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// See [`device::run`]; and when a file cannot be read or written.
+    pub fn run(&self) -> Outcome {
+        let request = self.request()?;
+        let model = match &self.model {
+            None => None,
+            Some(path) => Some(
+                fs::read(path)
+                    .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?,
+            ),
+        };
+        let firmware = match &self.firmware {
+            Some(path) => Firmware::open(path)?,
+            None => Firmware::build(Path::new("."), None)?,
+        };
+        let run = device::run(&firmware, model.as_deref(), &request, self.timeout)?;
+        if self.verbose {
+            for line in &run.log {
+                eprintln!("{line}");
+            }
+        }
+        let run = run.done()?;
+        if let Some(output) = &self.output {
+            write_png(output, &run)?;
+        }
+        if self.json {
+            println!(
+                "{}",
+                self.object(&request, &firmware, model.as_deref(), &run)
+            );
+        } else {
+            println!("{}", line(&firmware, &run));
+        }
+        check_counter(&run)
+    }
+
+    fn request(&self) -> Outcome<Request> {
+        Ok(match self.picture {
+            Picture::TestCard => Request::TestCard,
+            Picture::CountLoop => Request::CountLoop,
+            Picture::Model => Request::Model(Scene {
+                camera: self.view.view().camera()?,
+                light: self.view.light().to_array().map(|x| x.to_fixed::<Unit>()),
+                mode: self.mode.mode(),
+            }),
+        })
+    }
+
+    fn object(
+        &self,
+        request: &Request,
+        firmware: &Firmware,
+        model: Option<&[u8]>,
+        run: &Run,
+    ) -> serde_json::Value {
+        let report = &run.report;
+        let phases: serde_json::Map<_, _> = Phase::ALL
+            .into_iter()
+            .map(|phase| (phase.name().to_owned(), report.phases.get(phase).into()))
+            .collect();
+        let probes: Vec<_> = report
+            .probes
+            .iter()
+            .map(|probe| json!({ "expected": probe.expected, "counted": probe.counted }))
+            .collect();
+        let mut object = json!({
+            "picture": request.picture(),
+            "request": request.to_string(),
+            "width": report.width,
+            "height": report.height,
+            "instructions": report.phases.frame(),
+            "instructions_by_phase": phases,
+            "pixels": run.pixels(),
+            "ram_bytes": firmware.ram_bytes(),
+            "stack_bytes": report.stack_bytes,
+            "program_bytes": firmware.flash_bytes(),
+            "frame_crc32": format!("{:08x}", report.frame_crc32),
+            "wire_commands": run.wire_commands,
+            "wire_bytes": run.wire_bytes,
+            "log": run.log,
+        });
+        if let Some(model) = model {
+            object["model_bytes"] = model.len().into();
+        }
+        if !probes.is_empty() {
+            object["counter"] = probes.into();
+        }
+        object
+    }
+}
+
+/// The figures in one line.
+fn line(firmware: &Firmware, run: &Run) -> String {
+    let report = &run.report;
+    format!(
+        "{} instructions, {} pixels, {} B RAM + {} B stack, CRC {:08x}",
+        report.phases.frame(),
+        run.pixels(),
+        firmware.ram_bytes(),
+        report.stack_bytes,
+        report.frame_crc32
+    )
+}
+
+/// A counter that does not read true makes every figure worthless.
+fn check_counter(run: &Run) -> Outcome {
+    match run.report.probes.iter().find(|p| p.expected != p.counted) {
+        None => Ok(()),
+        Some(probe) => Err(Failure::limit(format!(
+            "the device counted {} instructions where {} ran",
+            probe.counted, probe.expected
+        ))),
+    }
+}
+
+/// Writes the picture beside its place and then moves it there.
+fn write_png(path: &Path, run: &Run) -> Outcome {
+    let failed = |error: &dyn std::fmt::Display| {
+        Failure::input(format!("{} cannot be written: {error}", path.display()))
+    };
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let mut file = tempfile::Builder::new()
+        .permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644))
+        .tempfile_in(folder)
+        .map_err(|e| failed(&e))?;
+    let (width, height) = (run.report.width.into(), run.report.height.into());
+    let mut encoder = png::Encoder::new(BufWriter::new(&mut file), width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    let pixels: Vec<u8> = run.words.iter().flat_map(|w| panel::rgb888(*w)).collect();
+    let mut writer = encoder.write_header().map_err(|e| failed(&e))?;
+    writer.write_image_data(&pixels).map_err(|e| failed(&e))?;
+    writer.finish().map_err(|e| failed(&e))?;
+    file.persist(path).map_err(|e| failed(&e.error))?;
+    Ok(())
+}
