@@ -34,7 +34,7 @@ enum Picture {
 #[derive(Args, Debug)]
 pub struct RunArgs {
     /// The baked model
-    #[arg(value_name = "OUT.rho", required_if_eq("picture", "model"))]
+    #[arg(value_name = "OUT.rho")]
     model: Option<PathBuf>,
     /// Where the picture goes, as PNG; replaced whole or not at all
     #[arg(short, long, value_name = "F.png")]
@@ -76,6 +76,10 @@ impl RunArgs {
     pub fn run(&self) -> Outcome {
         let request = self.request()?;
         let model = match &self.model {
+            None if self.picture == Picture::Model => {
+                return Err(Failure::input("there is no model to draw")
+                    .help("name a baked one, or draw the test card: --picture test-card"));
+            }
             None => None,
             Some(path) => Some(
                 fs::read(path)
