@@ -1,11 +1,19 @@
 //! Everything of rho-grid that runs on the PC: the library behind the `rho` command.
 #![forbid(unsafe_code)]
 
+pub mod blob_file;
 pub mod cli;
 pub mod device;
 pub mod failure;
 pub mod firmware;
+pub mod geometry;
 pub mod mesh;
+pub mod mesh;
+pub mod model;
+pub mod palette;
 pub mod panel;
 pub mod qemu;
+pub mod quantise;
+pub mod render;
+pub mod sampling;
 pub mod view;

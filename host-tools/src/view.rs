@@ -160,7 +160,7 @@ impl View {
             ));
         }
         let rotation = self.rotation().transpose();
-        let row = |v: DVec3| v.to_array().map(|x| x.to_fixed::<Rotation>());
+        let row = |v: DVec3| v.to_array().map(ToFixed::to_fixed::<Rotation>);
         Ok(Camera {
             rotation: [
                 row(rotation.x_axis),

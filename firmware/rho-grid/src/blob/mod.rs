@@ -1,0 +1,284 @@
+//! The blob: a view of bytes in flash, checked once, then read without failing.
+//!
+//! [`Blob::parse`] is the one check. It reads every byte once, in order, without recursion and
+//! with a stack that does not depend on the input. Holding a [`Blob`] proves that its header and
+//! pages carry the right CRC and that all sections are consistent; holding a [`Grid`] proves that
+//! every mask names existing children and every sample an existing material, so that no accessor
+//! can fail. SPEC.md has the bytes.
+
+pub mod error;
+pub mod format;
+mod grid;
+pub mod layout;
+
+pub use error::BlobError;
+pub use grid::{Grid, Level};
+pub use layout::Layout;
+
+use format::{
+    CRC, ENTRY_BYTES, HEADER_BYTES, MAGIC, MATERIAL_BYTES, MAX_MATERIALS, MAX_SECTIONS, OPTIONAL,
+    PAGE_BYTES, VERSION, kind,
+};
+
+/// A checked blob; see the module's page for what holding one proves.
+#[derive(Clone, Copy, Debug)]
+pub struct Blob<'a> {
+    bytes: &'a [u8],
+    grids: u16,
+}
+
+/// How a surface answers light: `ambient + diffuse * max(0, n.l)`, each 32768 = 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Material {
+    /// Red, green, blue in the shade.
+    pub ambient: [u16; 3],
+    /// Red, green, blue added where the light falls squarely.
+    pub diffuse: [u16; 3],
+    /// Phong colour.
+    pub specular: [u16; 3],
+    /// Phong exponent.
+    pub exponent: u16,
+}
+
+/// One entry of the directory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Section<'a> {
+    /// See [`format::kind`].
+    pub kind: u16,
+    /// The grid it belongs to.
+    pub grid: u16,
+    /// Its bytes.
+    pub bytes: &'a [u8],
+}
+
+impl<'a> Blob<'a> {
+    /// Checks `bytes`, which begin with a blob and may go on after it (a region of flash).
+    ///
+    /// # Errors
+    /// The first reason found to refuse it.
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, BlobError> {
+        let header: &[u8; HEADER_BYTES] = match bytes.first_chunk() {
+            Some(header) => header,
+            None if bytes.is_empty() => return Err(BlobError::Missing),
+            None if MAGIC.starts_with(bytes) || bytes.starts_with(&MAGIC) => {
+                return Err(BlobError::Truncated {
+                    expected: HEADER_BYTES as u32,
+                    found: bytes.len() as u32,
+                });
+            }
+            None => return Err(BlobError::NotABlob),
+        };
+        if !header.starts_with(&MAGIC) {
+            let empty = |byte| header.iter().all(|b| *b == byte);
+            return Err(if empty(0) || empty(0xFF) {
+                BlobError::Missing
+            } else {
+                BlobError::NotABlob
+            });
+        }
+        let version = u16_at(header, 8);
+        if version > VERSION {
+            return Err(BlobError::Newer { version });
+        }
+        let length = u32_at(header, 12);
+        let body = u32_at(header, 16) as usize;
+        let page_bytes = u32_at(header, 20) as usize;
+        let sections = u32_at(header, 24) as usize;
+        let expected = HEADER_BYTES + ENTRY_BYTES * sections.min(MAX_SECTIONS);
+        let pages = (length as usize).saturating_sub(body).div_ceil(PAGE_BYTES);
+        if version == 0
+            || usize::from(u16_at(header, 10)) != HEADER_BYTES
+            || page_bytes != PAGE_BYTES
+            || sections > MAX_SECTIONS
+            || !length.is_multiple_of(4)
+            || body > length as usize
+            || body != expected.saturating_add(pages.saturating_mul(4))
+        {
+            return Err(BlobError::Header);
+        }
+        let Some(bytes) = bytes.get(..length as usize) else {
+            return Err(BlobError::Truncated {
+                expected: length,
+                found: bytes.len() as u32,
+            });
+        };
+        if !bytes.as_ptr().addr().is_multiple_of(4) {
+            return Err(BlobError::Misaligned);
+        }
+
+        let mut crc = CRC.digest();
+        crc.update(slice(bytes, 0, 28));
+        crc.update(slice(bytes, HEADER_BYTES, body - HEADER_BYTES));
+        if crc.finalize() != u32_at(header, 28) {
+            return Err(cut_or(bytes, BlobError::HeaderCrc));
+        }
+        let table = slice(bytes, expected, 4 * pages);
+        for (page, data) in slice(bytes, body, bytes.len() - body)
+            .chunks(PAGE_BYTES)
+            .enumerate()
+        {
+            if CRC.checksum(data) != u32_at(table, 4 * page) {
+                return Err(cut_or(bytes, BlobError::PageCrc { page: page as u32 }));
+            }
+        }
+
+        let mut blob = Self { bytes, grids: 0 };
+        blob.check_directory(body)?;
+        let materials = blob.required(kind::MATERIALS, 0)?;
+        let count = materials.len() / MATERIAL_BYTES;
+        if count == 0 || count > MAX_MATERIALS || !materials.len().is_multiple_of(MATERIAL_BYTES) {
+            return Err(BlobError::Section {
+                kind: kind::MATERIALS,
+            });
+        }
+        while blob.find(kind::GRID, blob.grids).is_some() {
+            Grid::check(&blob, blob.grids, count)?;
+            blob.grids += 1;
+        }
+        if blob.grids == 0 {
+            return Err(BlobError::MissingSection { kind: kind::GRID });
+        }
+        Ok(blob)
+    }
+
+    /// The whole blob.
+    #[must_use]
+    pub fn bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
+    /// How many grids there are, at least 1.
+    #[must_use]
+    pub fn grid_count(&self) -> u16 {
+        self.grids
+    }
+
+    /// Grid `index`, or `None` from [`Self::grid_count`] on.
+    #[must_use]
+    pub fn grid(&self, index: u16) -> Option<Grid<'a>> {
+        if index < self.grids {
+            Grid::view(self, index).ok()
+        } else {
+            None
+        }
+    }
+
+    /// The materials, 1 to 8.
+    pub fn materials(&self) -> impl ExactSizeIterator<Item = Material> + use<'a> {
+        self.find(kind::MATERIALS, 0)
+            .unwrap_or_default()
+            .chunks_exact(MATERIAL_BYTES)
+            .map(|m| {
+                let rgb = |at| [u16_at(m, at), u16_at(m, at + 2), u16_at(m, at + 4)];
+                Material {
+                    ambient: rgb(0),
+                    diffuse: rgb(6),
+                    specular: rgb(12),
+                    exponent: u16_at(m, 18),
+                }
+            })
+    }
+
+    /// Where the blob comes from: lines `key=value`; empty when it does not say.
+    #[must_use]
+    pub fn origin(&self) -> &'a str {
+        core::str::from_utf8(self.find(kind::ORIGIN, 0).unwrap_or_default()).unwrap_or_default()
+    }
+
+    /// Every section, in the order of the directory.
+    pub fn sections(&self) -> impl Iterator<Item = Section<'a>> + use<'a> {
+        let bytes = self.bytes;
+        (0..u32_at(bytes, 24) as usize).map(move |i| {
+            let entry = HEADER_BYTES + ENTRY_BYTES * i;
+            Section {
+                kind: u16_at(bytes, entry),
+                grid: u16_at(bytes, entry + 2),
+                bytes: slice(
+                    bytes,
+                    u32_at(bytes, entry + 4) as usize,
+                    u32_at(bytes, entry + 8) as usize,
+                ),
+            }
+        })
+    }
+
+    fn check_directory(&self, body: usize) -> Result<(), BlobError> {
+        let mut end = body;
+        for i in 0..u32_at(self.bytes, 24) as usize {
+            let entry = HEADER_BYTES + ENTRY_BYTES * i;
+            let kind = u16_at(self.bytes, entry);
+            let offset = u32_at(self.bytes, entry + 4) as usize;
+            let length = u32_at(self.bytes, entry + 8) as usize;
+            if kind & OPTIONAL == 0 && !(kind::GRID..=kind::MATERIALS).contains(&kind) {
+                return Err(BlobError::UnknownSection { kind });
+            }
+            let last = offset.checked_add(length);
+            if !offset.is_multiple_of(4)
+                || offset < end
+                || last.is_none_or(|last| last > self.bytes.len())
+            {
+                return Err(BlobError::Section { kind });
+            }
+            end = offset + length;
+        }
+        Ok(())
+    }
+
+    fn find(&self, kind: u16, grid: u16) -> Option<&'a [u8]> {
+        self.sections()
+            .find(|s| s.kind == kind && s.grid == grid)
+            .map(|s| s.bytes)
+    }
+
+    fn required(&self, kind: u16, grid: u16) -> Result<&'a [u8], BlobError> {
+        self.find(kind, grid)
+            .ok_or(BlobError::MissingSection { kind })
+    }
+
+    /// A section as words of 32 bits.
+    fn words(&self, kind: u16, grid: u16) -> Result<&'a [u32], BlobError> {
+        const { assert!(cfg!(target_endian = "little"), "blobs are read in place") };
+        bytemuck::try_cast_slice(self.required(kind, grid)?)
+            .map_err(|_| BlobError::Section { kind })
+    }
+}
+
+/// A copy that ended early leaves 00 or erased flash (FF) up to the blob's end: told apart from
+/// damage, since the cure is another.
+fn cut_or(bytes: &[u8], error: BlobError) -> BlobError {
+    let Some((last @ (0 | 0xFF), _)) = bytes.split_last() else {
+        return error;
+    };
+    let found = bytes.iter().rposition(|b| b != last).map_or(0, |i| i + 1);
+    // Some bytes of a whole blob's end may be 00 by chance, a page of them is no chance.
+    if bytes.len() - found < 16 {
+        return error;
+    }
+    BlobError::Truncated {
+        expected: bytes.len() as u32,
+        found: found as u32,
+    }
+}
+
+/// The u16 at `at`, 0 beyond the end.
+fn u16_at(bytes: &[u8], at: usize) -> u16 {
+    bytes
+        .get(at..)
+        .and_then(|b| b.first_chunk())
+        .map_or(0, |b| u16::from_le_bytes(*b))
+}
+
+/// The u32 at `at`, 0 beyond the end.
+fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    bytes
+        .get(at..)
+        .and_then(|b| b.first_chunk())
+        .map_or(0, |b| u32::from_le_bytes(*b))
+}
+
+/// `length` bytes from `at`, none if they are not all there.
+fn slice(bytes: &[u8], at: usize, length: usize) -> &[u8] {
+    at.checked_add(length)
+        .and_then(|end| bytes.get(at..end))
+        .unwrap_or_default()
+}

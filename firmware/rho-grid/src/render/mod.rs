@@ -1,0 +1,94 @@
+//! Drawing a grid: set-up, order, projection, footprint, visibility.
+//!
+//! ```text
+//! Camera, Grid -> View (tables, once a frame) -> draw: cells from front to back or in any order
+//!   -> bounds on the screen -> culled? hidden? small enough or leaf? -> footprint -> visibility
+//! ```
+//!
+//! What varies is a type: a [`Visibility`], a [`Footprint`](footprint::Footprint), a
+//! [`Reciprocal`](crate::reciprocal::Reciprocal). [`draw`] is compiled for each combination that a
+//! board uses; [`draw_mode`] has them all and is for boards and hosts that choose at run time.
+
+pub mod footprint;
+mod order;
+mod project;
+mod traverse;
+mod view;
+mod visibility;
+
+pub use traverse::draw;
+pub use view::{View, ViewError};
+pub use visibility::{EyeOrder, Rect, Visibility, ZBuffer};
+
+use crate::blob::Grid;
+use crate::frame::Frame;
+use crate::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
+use crate::reciprocal::{Divide, Table};
+use crate::shading::Shading;
+use footprint::{Footprint, PixelCentre, Point, Splat};
+
+/// What a visibility method remembers about each pixel; a board has what its modes need.
+#[derive(Debug, Default)]
+pub struct Buffers<'a> {
+    /// For eye order: [`EyeOrder::words`] words.
+    pub coverage: &'a mut [u32],
+    /// For the z-buffer: one a pixel.
+    pub depth: &'a mut [u16],
+}
+
+/// A buffer is too small for the frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BufferTooSmall;
+
+/// Clears what the visibility method of `mode` remembers, and draws the grid over the frame.
+///
+/// # Errors
+/// [`BufferTooSmall`] when `buffers` lack what the mode needs for the frame's size.
+pub fn draw_mode(
+    mode: Mode,
+    grid: &Grid<'_>,
+    view: &View,
+    shading: &Shading<'_>,
+    frame: &mut Frame<'_>,
+    buffers: &mut Buffers<'_>,
+) -> Result<(), BufferTooSmall> {
+    match mode.visibility {
+        VisibilityMode::Eye => {
+            let mut target = EyeOrder::new(frame, buffers.coverage).ok_or(BufferTooSmall)?;
+            draw_seen(mode, grid, view, shading, &mut target);
+        }
+        VisibilityMode::Z => {
+            let mut target = ZBuffer::new(frame, buffers.depth).ok_or(BufferTooSmall)?;
+            draw_seen(mode, grid, view, shading, &mut target);
+        }
+    }
+    Ok(())
+}
+
+/// As [`draw_mode`], for any [`Visibility`] of the caller's.
+pub fn draw_seen<V: Visibility>(
+    mode: Mode,
+    grid: &Grid<'_>,
+    view: &View,
+    shading: &Shading<'_>,
+    target: &mut V,
+) {
+    match mode.footprint {
+        FootprintMode::Point => draw_shaped::<V, Point>(mode, grid, view, shading, target),
+        FootprintMode::Splat => draw_shaped::<V, Splat>(mode, grid, view, shading, target),
+        FootprintMode::Box => draw_shaped::<V, PixelCentre>(mode, grid, view, shading, target),
+    }
+}
+
+fn draw_shaped<V: Visibility, F: Footprint>(
+    mode: Mode,
+    grid: &Grid<'_>,
+    view: &View,
+    shading: &Shading<'_>,
+    target: &mut V,
+) {
+    match mode.reciprocal {
+        ReciprocalMode::Divide => draw::<V, F, Divide>(grid, view, shading, target),
+        ReciprocalMode::Table => draw::<V, F, Table>(grid, view, shading, target),
+    }
+}

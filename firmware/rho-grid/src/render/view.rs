@@ -1,0 +1,320 @@
+//! A camera as seen from a grid: all that a frame computes once.
+//!
+//! The paper, section 5.1: the centre of a cell is its parent's plus a displacement from a table,
+//! one table a level, in homogeneous coordinates. The exponents of X, Y and of W are chosen here so
+//! that the whole cube stays below 2^29 and as near to it as possible: any camera uses all bits.
+
+use super::project::{Homogeneous, OverW, slack};
+use crate::blob::Grid;
+use crate::blob::format::MAX_SUBDIVISIONS;
+use crate::camera::Camera;
+use crate::q::PixelSize;
+use crate::reciprocal::Reciprocal;
+
+/// Displacements of all levels together: five levels of 5 x 5 x 5 are the most below 4,096 cells
+/// an axis.
+const MAX_DISPLACEMENTS: usize = 5 * 125;
+
+/// The tables of a frame, about 8 kB: one a board is enough.
+#[derive(Clone, Debug)]
+pub struct View {
+    pub(super) root: Homogeneous,
+    /// k of [`super::project`].
+    pub(super) k: u32,
+    /// Cells all of whose points have at least this W are projected; nearer ones are bounded by
+    /// interval arithmetic.
+    pub(super) near: i32,
+    /// Frame size in pixels.
+    pub(super) width: i32,
+    pub(super) height: i32,
+    /// What [`OverW::times`] may be off at the frame's edge, Q8.
+    slack: i32,
+    pub(super) levels: [LevelView; MAX_SUBDIVISIONS + 1],
+    displacements: [Homogeneous; MAX_DISPLACEMENTS],
+    /// log2 of W's unit: W = 2^this is a cube's side.
+    w_bits: u32,
+}
+
+/// What the view knows of the cells of one level.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LevelView {
+    /// Half an edge of a cell along the grid's x, y, z.
+    half_edges: [Homogeneous; 3],
+    /// Half the extent of a cell in X, Y, W, rounded up.
+    pub(super) half: Homogeneous,
+    /// From this W on a cell is at most the threshold large and drawn from its own sample.
+    pub(super) stop_w: i32,
+    /// The eye's cell along each axis, -1 or the number of cells when it is outside.
+    pub(super) eye: [i32; 3],
+    /// Where its children's displacements begin, and how many there are.
+    children: (usize, usize),
+}
+
+impl LevelView {
+    pub(super) const NONE: Self = Self {
+        half_edges: [Homogeneous::ZERO; 3],
+        half: Homogeneous::ZERO,
+        stop_w: 0,
+        eye: [0; 3],
+        children: (0, 0),
+    };
+}
+
+/// Half extents on the screen, Q8, that hold for all children of a cell.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Half {
+    pub(super) x: i32,
+    pub(super) y: i32,
+}
+
+/// The camera's numbers exceed what a frame can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ViewError {
+    /// Width or height is 0 or above [`Camera::MAX_SIDE`].
+    Size,
+    /// The focal length is below one pixel.
+    Focal,
+    /// The rotation's rows are not of length 1.
+    Rotation,
+}
+
+impl core::fmt::Display for ViewError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Size => "camera: width and height must be 1 to 1024",
+            Self::Focal => "camera: the focal length must be at least one pixel",
+            Self::Rotation => "camera: the rotation's rows must have length 1",
+        })
+    }
+}
+
+impl core::error::Error for ViewError {}
+
+impl View {
+    /// Tables not yet filled.
+    #[must_use]
+    pub const fn empty() -> Self {
+        Self {
+            root: Homogeneous::ZERO,
+            k: 0,
+            near: 0,
+            width: 0,
+            height: 0,
+            slack: 0,
+            levels: [LevelView::NONE; MAX_SUBDIVISIONS + 1],
+            displacements: [Homogeneous::ZERO; MAX_DISPLACEMENTS],
+            w_bits: 0,
+        }
+    }
+
+    /// Fills the tables for `camera` and `grid`, whose cube stands at the world's origin with
+    /// side 1. Cells at most `cell_size` large on the screen are drawn from their own sample.
+    ///
+    /// # Errors
+    /// [`ViewError`] when the camera is none; the tables are then as before.
+    pub fn prepare(
+        &mut self,
+        camera: &Camera,
+        grid: &Grid<'_>,
+        cell_size: PixelSize,
+    ) -> Result<(), ViewError> {
+        let sides = 1..=Camera::MAX_SIDE;
+        if !(sides.contains(&camera.width) && sides.contains(&camera.height)) {
+            return Err(ViewError::Size);
+        }
+        let focal = i64::from(camera.focal.to_bits());
+        if focal < 1 << 12 {
+            return Err(ViewError::Focal);
+        }
+        let rotation = camera
+            .rotation
+            .map(|row| row.map(|v| i64::from(v.to_bits())));
+        for row in rotation {
+            // Q60; rows computed in f64 and rounded are far within a thousandth.
+            let square: i64 = row.iter().map(|v| (v >> 2) * (v >> 2)).sum();
+            if (square - (1 << 56)).abs() > 1 << 47 {
+                return Err(ViewError::Rotation);
+            }
+        }
+        let [right, up, back] = rotation;
+        let [tx, ty, tz] = camera.translation.map(|v| i64::from(v.to_bits()));
+
+        // Exact X, Y in Q42 and Q32, W in Q30. Screen y runs down; the camera looks along -z.
+        let (edges_x, edges_y) = (right.map(|v| focal * v), up.map(|v| -focal * v));
+        let (centre_x, centre_y) = (focal.saturating_mul(tx), (-focal).saturating_mul(ty));
+        let edges_w = back.map(|v| -v);
+        let centre_w = -tz << 10;
+
+        // The largest magnitude of any point of the cube decides the exponents.
+        let half_sum = |e: &[i64; 3]| e.iter().map(|v| v.abs() >> 1).sum::<i64>();
+        let reach_of = |centre: i64, edges| {
+            centre
+                .saturating_abs()
+                .saturating_add(half_sum(edges) >> 10)
+        };
+        let reach = reach_of(centre_x, &edges_x).max(reach_of(centre_y, &edges_y));
+        let reach_w = centre_w.abs() + half_sum(&edges_w);
+        let drop = bits(reach).saturating_sub(29).max(1);
+        let drop_w = bits(reach_w).saturating_sub(29).max(1);
+        // X = real * 2^(32 - drop), W = real * 2^(30 - drop_w).
+        self.k = (22 + 32 - drop).wrapping_sub(30 - drop_w);
+        self.w_bits = 30 - drop_w;
+        self.near = 1 << 31u32.saturating_sub(self.k).min(29);
+        self.width = i32::from(camera.width);
+        self.height = i32::from(camera.height);
+        self.slack = slack(128 * self.width.max(self.height));
+        self.root = Homogeneous {
+            x: shift(centre_x, drop),
+            y: shift(centre_y, drop),
+            w: shift(centre_w, drop_w),
+        };
+
+        // The eye in the grid's axes, Q30, the cube's corner at 0.
+        let eye = core::array::from_fn::<i64, 3, _>(|axis| {
+            let along = |row: [i64; 3]| row.get(axis).copied().unwrap_or(0);
+            let q50 = along(right) * tx + along(up) * ty + along(back) * tz;
+            (1 << 29) - (q50 >> 20)
+        });
+
+        let mut first = 0;
+        let mut cells = 1;
+        for level in 0..=grid.subdivisions() {
+            let rho = grid.levels().get(level).map_or(1, |l| i64::from(l.rho));
+            let half = |e: i64, drop: u32| shift(e / (2 * cells), drop);
+            let half_edges = core::array::from_fn(|axis| {
+                let of = |e: &[i64; 3]| e.get(axis).copied().unwrap_or(0);
+                Homogeneous {
+                    x: half(of(&edges_x), drop + 10),
+                    y: half(of(&edges_y), drop + 10),
+                    w: half(of(&edges_w), drop_w),
+                }
+            });
+            let sum = |get: fn(&Homogeneous) -> i32| {
+                half_edges.iter().map(|e| get(e).abs()).sum::<i32>() + 3
+            };
+            let half = Homogeneous {
+                x: sum(|e| e.x),
+                y: sum(|e| e.y),
+                w: sum(|e| e.w),
+            };
+            let entry = LevelView {
+                half_edges,
+                half,
+                stop_w: self.stop_w(half.x.max(half.y), cell_size),
+                eye: eye.map(|e| ((e * cells) >> 30).clamp(-1, cells) as i32),
+                children: (first, rho.pow(3) as usize),
+            };
+            if let Some(slot) = self.levels.get_mut(level) {
+                *slot = entry;
+            }
+            if level == grid.subdivisions() {
+                break;
+            }
+            // Displacements (paper, equations 1 and 2): odd multiples of half a subcell's edge,
+            // each rounded once from the exact sum.
+            cells *= rho;
+            let step = |e: [i64; 3]| e.map(|v| v / (2 * cells));
+            let (sx, sy, sw) = (step(edges_x), step(edges_y), step(edges_w));
+            let mut at = first;
+            for k in 0..rho {
+                for j in 0..rho {
+                    for i in 0..rho {
+                        let odd = [2 * i + 1 - rho, 2 * j + 1 - rho, 2 * k + 1 - rho];
+                        let sum = |s: [i64; 3]| s.iter().zip(odd).map(|(s, o)| s * o).sum::<i64>();
+                        if let Some(d) = self.displacements.get_mut(at) {
+                            *d = Homogeneous {
+                                x: shift(sum(sx), drop + 10),
+                                y: shift(sum(sy), drop + 10),
+                                w: shift(sum(sw), drop_w),
+                            };
+                        }
+                        at += 1;
+                    }
+                }
+            }
+            first = at;
+        }
+        Ok(())
+    }
+
+    /// W of a distance of one side of the cube along the optical axis: `2^bits`.
+    #[must_use]
+    pub fn w_bits(&self) -> u32 {
+        self.w_bits
+    }
+
+    /// The displacements of the children of cells of `level`.
+    #[inline(always)]
+    pub(super) fn displacements(&self, level: &LevelView) -> &[Homogeneous] {
+        let (first, count) = level.children;
+        self.displacements
+            .get(first..first + count)
+            .unwrap_or_default()
+    }
+
+    /// Half extents of any cell of `level` within a cell whose centre is projected to (x, y) (Q8
+    /// from the axis) and whose own half extents are `within`; all its W are at least `nearest`.
+    ///
+    /// A corner at (dX, dW) from a cell's centre is projected to exactly (dX - x dW) / (W + dW)
+    /// from the centre's x. The sum of |dX - x dW| over the three half edges and the smallest W
+    /// bound it for every corner, and `within` bounds how far x varies.
+    #[inline(always)]
+    pub(super) fn half<R: Reciprocal>(
+        &self,
+        level: &LevelView,
+        [x, y]: [i32; 2],
+        within: Half,
+        nearest: i32,
+    ) -> Half {
+        let over = OverW::new::<R>(nearest, self.k);
+        let mut sum = [0i64; 2];
+        for e in &level.half_edges {
+            sum[0] += (i64::from(e.x) - self.per_w(x, e.w)).abs();
+            sum[1] += (i64::from(e.y) - self.per_w(y, e.w)).abs();
+        }
+        let extent = |sum: i64, within: i32| {
+            let sum = sum + self.per_w(within, level.half.w).abs() + 6;
+            let half = over.times(sum.min(1 << 29) as i32);
+            // Its own error and that of the centre which it is added to.
+            half.saturating_add(self.slack + (half >> 13))
+        };
+        Half {
+            x: extent(sum[0], within.x),
+            y: extent(sum[1], within.y),
+        }
+    }
+
+    /// A screen coordinate (Q8) times a W, in the unit of X; rounded down.
+    #[inline(always)]
+    fn per_w(&self, screen: i32, w: i32) -> i64 {
+        let product = i64::from(screen) * i64::from(w);
+        if self.k <= 30 {
+            product >> (30 - self.k)
+        } else {
+            product << (self.k - 30)
+        }
+    }
+
+    /// The W from which on twice `half` (in the unit of X) is at most `size` pixels: the paper's
+    /// test dx <= w s (equation 4) with the extent S of a level (equation 5).
+    fn stop_w(&self, half: i32, size: PixelSize) -> i32 {
+        let size = i64::from(size.to_bits());
+        if size == 0 {
+            return i32::MAX;
+        }
+        // Q8 pixels = X / W * 2^(30 - k).
+        let w = (i64::from(half) * 2) << 30u32.saturating_sub(self.k);
+        let w = (w >> self.k.saturating_sub(30)) / size + 1;
+        i32::try_from(w).unwrap_or(i32::MAX)
+    }
+}
+
+/// How many bits a magnitude needs.
+fn bits(magnitude: i64) -> u32 {
+    64 - magnitude.leading_zeros()
+}
+
+/// v / 2^by, rounded to nearest; the caller has chosen `by` so that it fits.
+fn shift(v: i64, by: u32) -> i32 {
+    ((v + (1 << (by - 1))) >> by) as i32
+}

@@ -1,0 +1,213 @@
+//! Which sample a pixel shows.
+
+use crate::frame::Frame;
+
+/// Pixels of the frame, first and last included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rect {
+    /// First column.
+    pub x0: u32,
+    /// Last column, at least the first.
+    pub x1: u32,
+    /// First row.
+    pub y0: u32,
+    /// Last row, at least the first.
+    pub y1: u32,
+}
+
+/// A method to find the nearest sample of each pixel.
+pub trait Visibility {
+    /// Whether cells must come from front to back.
+    const FRONT_TO_BACK: bool;
+
+    /// Whether nothing behind what is drawn can show in `rect`.
+    fn is_hidden(&self, rect: Rect) -> bool;
+
+    /// Draws a sample over `rect`, where it shows; `colour` is asked for at most once. `w` is its
+    /// distance along the optical axis, in the view's own unit, below 2^29.
+    fn draw(&mut self, rect: Rect, w: i32, colour: impl FnOnce() -> u16);
+}
+
+/// Cells from front to back, a coverage bit a pixel: each pixel is written once.
+#[derive(Debug)]
+pub struct EyeOrder<'a, 'f> {
+    frame: &'a mut Frame<'f>,
+    covered: &'a mut [u32],
+    width: u32,
+    stride: u32,
+}
+
+impl<'a, 'f> EyeOrder<'a, 'f> {
+    /// Words of coverage that a frame needs.
+    #[must_use]
+    pub const fn words(width: u16, height: u16) -> usize {
+        (width as usize).div_ceil(32) * height as usize
+    }
+
+    /// Over a frame, with nothing covered yet; `None` when `coverage` is shorter than
+    /// [`Self::words`].
+    #[must_use]
+    pub fn new(frame: &'a mut Frame<'f>, coverage: &'a mut [u32]) -> Option<Self> {
+        let (width, height) = (frame.width(), frame.height());
+        let covered = coverage.get_mut(..Self::words(width, height))?;
+        covered.fill(0);
+        Some(Self {
+            frame,
+            covered,
+            width: u32::from(width),
+            stride: u32::from(width).div_ceil(32),
+        })
+    }
+}
+
+impl Visibility for EyeOrder<'_, '_> {
+    const FRONT_TO_BACK: bool = true;
+
+    #[inline(always)]
+    fn is_hidden(&self, r: Rect) -> bool {
+        let (first, last) = (r.x0 >> 5, r.x1 >> 5);
+        let from = u32::MAX << (r.x0 & 31);
+        let to = u32::MAX >> (31 - (r.x1 & 31));
+        for y in r.y0..=r.y1 {
+            let row = y * self.stride;
+            for word in first..=last {
+                let mut mask = u32::MAX;
+                if word == first {
+                    mask &= from;
+                }
+                if word == last {
+                    mask &= to;
+                }
+                let covered = self.covered.get((row + word) as usize).copied();
+                if covered.unwrap_or(u32::MAX) & mask != mask {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn draw(&mut self, r: Rect, _w: i32, colour: impl FnOnce() -> u16) {
+        let mut colour = Some(colour);
+        let mut found = 0;
+        for y in r.y0..=r.y1 {
+            let (row, line) = (y * self.stride, y * self.width);
+            for x in r.x0..=r.x1 {
+                let Some(word) = self.covered.get_mut((row + (x >> 5)) as usize) else {
+                    continue;
+                };
+                let bit = 1 << (x & 31);
+                if *word & bit == 0 {
+                    *word |= bit;
+                    if let Some(colour) = colour.take() {
+                        found = colour();
+                    }
+                    if let Some(pixel) = self.frame.pixels_mut().get_mut((line + x) as usize) {
+                        *pixel = found;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A depth a pixel: the nearest sample wins, the first of equally near ones.
+///
+/// Depths are the upper 16 bits of the view's w: a 2^16th of the depth that the whole cube can
+/// have in this view, so that a leaf near the eye and one behind it differ.
+#[derive(Debug)]
+pub struct ZBuffer<'a, 'f> {
+    frame: &'a mut Frame<'f>,
+    depth: &'a mut [u16],
+    width: u32,
+}
+
+impl<'a, 'f> ZBuffer<'a, 'f> {
+    /// Over a frame, with nothing drawn yet; `None` when `depth` has fewer words than the frame
+    /// pixels.
+    #[must_use]
+    pub fn new(frame: &'a mut Frame<'f>, depth: &'a mut [u16]) -> Option<Self> {
+        let depth = depth.get_mut(..frame.pixels().len())?;
+        depth.fill(u16::MAX);
+        let width = u32::from(frame.width());
+        Some(Self {
+            frame,
+            depth,
+            width,
+        })
+    }
+}
+
+impl Visibility for ZBuffer<'_, '_> {
+    const FRONT_TO_BACK: bool = false;
+
+    #[inline(always)]
+    fn is_hidden(&self, _: Rect) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn draw(&mut self, r: Rect, w: i32, colour: impl FnOnce() -> u16) {
+        // w is below 2^29; in front of the eye it is positive.
+        let here = (w.max(0) >> 13).min(0xFFFE) as u16;
+        let mut colour = Some(colour);
+        let mut found = 0;
+        for y in r.y0..=r.y1 {
+            let line = y * self.width;
+            for x in r.x0..=r.x1 {
+                let at = (line + x) as usize;
+                let Some(depth) = self.depth.get_mut(at) else {
+                    continue;
+                };
+                if here < *depth {
+                    *depth = here;
+                    if let Some(colour) = colour.take() {
+                        found = colour();
+                    }
+                    if let Some(pixel) = self.frame.pixels_mut().get_mut(at) {
+                        *pixel = found;
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rect(x0: u32, x1: u32, y0: u32, y1: u32) -> Rect {
+        Rect { x0, x1, y0, y1 }
+    }
+
+    #[test]
+    fn in_eye_order_the_first_sample_keeps_the_pixel() {
+        let mut buffer = [0; 100 * 2];
+        let mut frame = Frame::new(&mut buffer, 100, 2).unwrap();
+        let mut bits = [7; 8];
+        let mut eye = EyeOrder::new(&mut frame, &mut bits).unwrap();
+        assert!(!eye.is_hidden(rect(30, 70, 0, 1)));
+        eye.draw(rect(30, 70, 0, 1), 0, || 1);
+        eye.draw(rect(0, 99, 0, 0), 0, || 2);
+        assert!(eye.is_hidden(rect(30, 70, 0, 1)));
+        assert!(eye.is_hidden(rect(0, 99, 0, 0)));
+        assert!(!eye.is_hidden(rect(70, 71, 1, 1)));
+        eye.draw(rect(40, 50, 0, 1), 0, || panic!("no pixel is open"));
+        assert_eq!(buffer[29..32], [2, 1, 1]);
+        assert_eq!(buffer[129..132], [0, 1, 1]);
+    }
+
+    #[test]
+    fn in_the_z_buffer_the_nearer_sample_wins() {
+        let mut buffer = [0; 4];
+        let mut frame = Frame::new(&mut buffer, 2, 2).unwrap();
+        let mut depth = [0; 4];
+        let mut z = ZBuffer::new(&mut frame, &mut depth).unwrap();
+        z.draw(rect(0, 1, 0, 1), 1 << 20, || 1);
+        z.draw(rect(0, 0, 0, 0), 1 << 19, || 2);
+        z.draw(rect(0, 1, 0, 1), 1 << 20, || panic!("not nearer"));
+        assert_eq!(buffer, [2, 1, 1, 1]);
+    }
+}

@@ -1,0 +1,119 @@
+//! Shading before drawing: one colour a normal and material (paper, section 5.5).
+//!
+//! The light is directional and the eye's place does not enter, so a sample's colour depends on
+//! its attribute word alone: one look-up while drawing.
+
+use crate::blob::{Layout, Material};
+use crate::normal::{COUNT, FACES, OCTANT};
+use crate::q::Unit;
+
+/// Colours of every normal under every material, RGB565.
+#[derive(Clone, Copy, Debug)]
+pub struct Shading<'a> {
+    colours: &'a [u16],
+    layout: Layout,
+}
+
+impl<'a> Shading<'a> {
+    /// Words needed for `materials` materials.
+    #[must_use]
+    pub const fn words(materials: usize) -> usize {
+        materials * COUNT
+    }
+
+    /// Shades every normal under every material with one light; `None` when the table is too
+    /// small.
+    ///
+    /// `towards` is a unit vector to the light in the grid's own axes. A channel is
+    /// `ambient + diffuse * max(0, n.l)`, clipped at 1 and rounded to the nearest of 32 or 64
+    /// levels.
+    #[must_use]
+    pub fn new(
+        table: &'a mut [u16],
+        layout: Layout,
+        materials: impl ExactSizeIterator<Item = Material>,
+        towards: [Unit; 3],
+    ) -> Option<Self> {
+        let words = Self::words(materials.len());
+        let table = table.get_mut(..words)?;
+        let [lx, ly, lz] = towards.map(|c| i32::from(c.to_bits()));
+        for (material, colours) in materials.zip(table.chunks_exact_mut(COUNT)) {
+            for (octant, colours) in colours.chunks_exact_mut(OCTANT).enumerate() {
+                let sign = |bit: usize, v: i32| if octant & bit == 0 { v } else { -v };
+                let (lx, ly, lz) = (sign(4, lx), sign(2, ly), sign(1, lz));
+                for (colour, [x, y, z]) in colours.iter_mut().zip(&FACES) {
+                    // Q28; of two unit vectors, so the sum stays within +-2^28 (1 + 2^-12).
+                    let dot = i32::from(*x) * lx + i32::from(*y) * ly + i32::from(*z) * lz;
+                    // Q15, 0 to 1.
+                    let lit = (dot.max(0) >> 13) as u32;
+                    *colour = shade(&material, lit.min(1 << 15));
+                }
+            }
+        }
+        Some(Self {
+            colours: table,
+            layout,
+        })
+    }
+
+    /// The colour of a sample with this attribute word, RGB565.
+    #[inline(always)]
+    #[must_use]
+    pub fn colour(&self, word: u32) -> u16 {
+        let index =
+            self.layout.material_of(word) as usize * COUNT + self.layout.normal_of(word) as usize;
+        self.colours.get(index).copied().unwrap_or(0)
+    }
+}
+
+/// The colour under `lit` = max(0, n.l) (32768 = 1), RGB565, channels rounded to nearest.
+#[inline(always)]
+fn shade(material: &Material, lit: u32) -> u16 {
+    let channel = |i: usize, levels: u32| {
+        let of = |c: &[u16; 3]| c.get(i).map_or(0, |v| u32::from(*v));
+        let value = of(&material.ambient) + ((of(&material.diffuse) * lit + (1 << 14)) >> 15);
+        (value.min(1 << 15) * levels + (1 << 14)) >> 15
+    };
+    (channel(0, 31) << 11 | channel(1, 63) << 5 | channel(2, 31)) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    extern crate std;
+    use std::vec;
+
+    const WHITE: Material = Material {
+        ambient: [3277; 3],
+        diffuse: [29491; 3],
+        specular: [0; 3],
+        exponent: 1,
+    };
+
+    #[test]
+    fn every_colour_is_the_exact_one_or_a_level_beside_it_where_rounding_is_close() {
+        let light = [0.4, 0.6, 0.7f64];
+        let length = light.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let light = light.map(|v| v / length);
+        let towards = light.map(|v| Unit::from_bits((v * 16384.0).round() as i16));
+        let mut table = vec![0; Shading::words(1)];
+        let shading =
+            Shading::new(&mut table, Layout::MATERIAL, [WHITE].into_iter(), towards).unwrap();
+        for index in 0..COUNT as u32 {
+            let n = crate::normal::normal(index).map(|c| f64::from(c.to_bits()) / 16384.0);
+            let dot: f64 = (0..3).map(|k| n[k] * light[k]).sum();
+            let value = 0.1 + 0.9 * dot.max(0.0);
+            let colour = shading.colour(index << 3);
+            let green = f64::from(colour >> 5 & 63);
+            assert!((green - value * 63.0).abs() < 0.52, "{index}: {green}");
+            assert_eq!(colour >> 11, colour & 31);
+        }
+    }
+
+    #[test]
+    fn a_table_too_small_is_refused() {
+        let mut table = [0; 100];
+        let towards = [Unit::ZERO; 3];
+        assert!(Shading::new(&mut table, Layout::MATERIAL, [WHITE].into_iter(), towards).is_none());
+    }
+}

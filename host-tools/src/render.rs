@@ -1,0 +1,166 @@
+//! A frame computed on the PC by the device's own renderer.
+
+use fixed::traits::ToFixed;
+use glam::DVec3;
+use rho_grid::blob::Blob;
+use rho_grid::frame::Frame;
+use rho_grid::mode::{Mode, VisibilityMode};
+use rho_grid::q::Unit;
+use rho_grid::render::{self, EyeOrder, Rect, Visibility, ZBuffer};
+use rho_grid::shading::Shading;
+
+use crate::failure::{Failure, Outcome};
+use crate::view::View;
+
+/// Black; the standard scene's background.
+pub const BACKGROUND: u16 = 0;
+
+/// A frame and what is known of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawn {
+    /// Pixels a row.
+    pub width: u16,
+    /// Rows.
+    pub height: u16,
+    /// RGB565 words, rows from the top.
+    pub words: Vec<u16>,
+    /// A pixel's distance along the optical axis in cube units, NaN where nothing is drawn.
+    pub depth: Vec<f32>,
+}
+
+impl Drawn {
+    /// Pixels that differ from the background.
+    #[must_use]
+    pub fn pixels(&self) -> usize {
+        self.words.iter().filter(|w| **w != BACKGROUND).count()
+    }
+
+    /// CRC-32 over the words, little-endian, rows from the top.
+    #[must_use]
+    pub fn crc32(&self) -> u32 {
+        frame_crc32(&self.words)
+    }
+}
+
+/// CRC-32 (IEEE 802.3) over RGB565 words, little-endian, rows from the top.
+#[must_use]
+pub fn frame_crc32(words: &[u16]) -> u32 {
+    let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
+    crc32fast::hash(&bytes)
+}
+
+/// The unit vector towards a light as a device takes it, rounded to nearest.
+#[must_use]
+pub fn light(towards: DVec3) -> [Unit; 3] {
+    towards.normalize().to_array().map(ToFixed::to_fixed)
+}
+
+/// Draws every grid of `blob`.
+///
+/// # Errors
+/// When the view is out of range.
+pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outcome<Drawn> {
+    let camera = view.camera()?;
+    let (width, height) = (camera.width, camera.height);
+    let pixels = usize::from(width) * usize::from(height);
+    let mut words = vec![BACKGROUND; pixels];
+    let mut depth = vec![f32::NAN; pixels];
+    let mut tables = Box::new(render::View::empty());
+    let mut colours = vec![0; Shading::words(blob.materials().len())];
+    let internal = |what: &str| Failure::input(format!("{what} (an error in rho)"));
+    for index in 0..blob.grid_count() {
+        let grid = blob.grid(index).ok_or_else(|| internal("grid missing"))?;
+        tables
+            .prepare(&camera, &grid, mode.cell_size)
+            .map_err(|e| Failure::input(e.to_string()))?;
+        let shading = Shading::new(
+            &mut colours,
+            grid.layout(),
+            blob.materials(),
+            light(towards),
+        )
+        .ok_or_else(|| internal("shading table"))?;
+        let mut frame =
+            Frame::new(&mut words, width, height).ok_or_else(|| internal("frame size"))?;
+        let unit = (-f64::from(tables.w_bits())).exp2();
+        let mut w = vec![0; pixels];
+        match mode.visibility {
+            VisibilityMode::Eye => {
+                let mut bits = vec![0; EyeOrder::words(width, height)];
+                let inner =
+                    EyeOrder::new(&mut frame, &mut bits).ok_or_else(|| internal("coverage"))?;
+                let mut target = Recorder::new(inner, &mut w, width);
+                render::draw_seen(mode, &grid, &tables, &shading, &mut target);
+            }
+            VisibilityMode::Z => {
+                let mut buffer = vec![0; pixels];
+                let inner = ZBuffer::new(&mut frame, &mut buffer)
+                    .ok_or_else(|| internal("depth buffer"))?;
+                let mut target = Recorder::new(inner, &mut w, width);
+                render::draw_seen(mode, &grid, &tables, &shading, &mut target);
+            }
+        }
+        for (depth, w) in depth.iter_mut().zip(w) {
+            if w > 0 {
+                *depth = (f64::from(w) * unit) as f32;
+            }
+        }
+    }
+    Ok(Drawn {
+        width,
+        height,
+        words,
+        depth,
+    })
+}
+
+/// A visibility method that also remembers the w of what it shows.
+struct Recorder<'a, V> {
+    inner: V,
+    w: &'a mut [i32],
+    width: u32,
+}
+
+impl<'a, V> Recorder<'a, V> {
+    fn new(inner: V, w: &'a mut [i32], width: u16) -> Self {
+        Self {
+            inner,
+            w,
+            width: u32::from(width),
+        }
+    }
+}
+
+impl<V: Visibility> Visibility for Recorder<'_, V> {
+    const FRONT_TO_BACK: bool = V::FRONT_TO_BACK;
+
+    fn is_hidden(&self, rect: Rect) -> bool {
+        self.inner.is_hidden(rect)
+    }
+
+    fn draw(&mut self, rect: Rect, w: i32, colour: impl FnOnce() -> u16) {
+        let mut colour = Some(colour);
+        let mut found = 0;
+        for y in rect.y0..=rect.y1 {
+            for x in rect.x0..=rect.x1 {
+                let pixel = Rect {
+                    x0: x,
+                    x1: x,
+                    y0: y,
+                    y1: y,
+                };
+                let mut shown = false;
+                self.inner.draw(pixel, w, || {
+                    if let Some(colour) = colour.take() {
+                        found = colour();
+                    }
+                    shown = true;
+                    found
+                });
+                if shown {
+                    self.w[(y * self.width + x) as usize] = w.max(1);
+                }
+            }
+        }
+    }
+}

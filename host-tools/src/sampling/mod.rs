@@ -1,0 +1,566 @@
+//! Geometry becomes a tree of samples.
+//!
+//! Duguet & Drettakis 2003, section 4.1: the cube is cut into rho x rho x rho cells, each of
+//! them that the object meets is cut again, and every cell, intermediate or leaf, is sampled
+//! "at the point of the object closest to the center of the cell". Where the paper has one
+//! rho, here each level has its own:
+//!
+//! | paper | here |
+//! | --- | --- |
+//! | rho | `sequence[level]`, 2 to 5 |
+//! | m, the depth | `sequence.len()` |
+//! | N_i, the cells at depth i | `levels[i].samples.len()` |
+//! | n, the leaves | the last level's samples |
+//!
+//! A cell exists if it has a leaf below it. Which cells are leaves is the question of
+//! [`Separation`]. The tree is the same to the bit whatever the number of threads: a cell
+//! depends on nothing but its own primitives, which keep their order, and subtrees are
+//! strung together in the order of their roots.
+//!
+//! An intermediate sample is the nearest point, as in the paper. Its normal is that of one
+//! point, though many leaves stand behind it: where the surface is rougher than the cell,
+//! the mean of the leaves' normals and colours would shade with less noise from afar (and
+//! Botsch et al. 2002 average). It could be had here from the children's samples, bottom up.
+
+mod tree;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::failure::{Failure, Outcome};
+use crate::geometry::Geometry;
+use crate::geometry::cells::{Cell, Subcells, bits};
+
+pub use tree::{MAX_CELLS, Separation, Sequence, Tree, TreeLevel, TreeSample};
+
+/// Cells an axis from which on subtrees are not divided among threads any more.
+const TASKS: u32 = 9;
+
+/// Primitives that are dealt out to subcells by one thread at a time.
+const CHUNK: usize = 16_384;
+
+/// Memory while sampling, in bytes a node: the sample and its share of masks, twice, since
+/// subtrees are copied together at the end.
+const NODE_BYTES: u64 = 2 * (size_of::<TreeSample>() + size_of::<u128>() / 8) as u64;
+
+/// How to sample.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// How often each level cuts its cells.
+    pub sequence: Sequence,
+    /// Which cells are leaves.
+    pub separation: Separation,
+    /// The most bytes that the tree may take while it grows (the geometry's own not among
+    /// them); [`Sampling::sample`] fails rather than take more.
+    pub memory: u64,
+}
+
+impl Sampling {
+    /// About how many leaves there will be, from the surface's area: within some 10 % for a
+    /// single smooth surface, too many where sheets share cells, too few for what is small
+    /// against a cell.
+    #[must_use]
+    pub fn expected_leaves<G: Geometry + ?Sized>(&self, geometry: &G) -> u64 {
+        let cells = f64::from(self.sequence.cells());
+        let thinning = match self.separation {
+            Separation::TwentySix => 1.0,
+            Separation::Six => 0.59,
+        };
+        let area = geometry.weighted_area().max(0.0);
+        (thinning * area * cells * cells).min(cells.powi(3)).ceil() as u64
+    }
+
+    /// About how many bytes [`Sampling::sample`] will take.
+    #[must_use]
+    pub fn expected_memory<G: Geometry + ?Sized>(&self, geometry: &G) -> u64 {
+        // A level has about rho^2 times the nodes of the one above.
+        let mut level = self.expected_leaves(geometry);
+        let mut nodes = level;
+        for &rho in self.sequence.as_slice().iter().rev() {
+            level = level.div_ceil(u64::from(rho).pow(2));
+            nodes += level;
+        }
+        nodes * NODE_BYTES + list_bytes(geometry)
+    }
+
+    /// Samples `geometry`. `leaves` counts the leaves as they are made, for a progress bar
+    /// whose length is [`Sampling::expected_leaves`].
+    ///
+    /// # Errors
+    /// When the tree would not fit into `memory`, as far as can be foreseen or when it comes
+    /// to it, and when there is no leaf at all.
+    pub fn sample<G: Geometry + ?Sized>(&self, geometry: &G, leaves: &AtomicU64) -> Outcome<Tree> {
+        let expected = self.expected_memory(geometry);
+        // What is foreseen may be too much by as much again when sheets share cells.
+        if expected / 2 > self.memory {
+            return Err(self.too_large(&format!("about {}", megabytes(expected))));
+        }
+        let grower = Grower {
+            geometry,
+            sequence: self.sequence.as_slice(),
+            separation: self.separation,
+            bytes: AtomicU64::new(list_bytes(geometry)),
+            limit: self.memory,
+            leaves,
+        };
+        let all: Vec<u32> = (0..geometry.primitives()).collect();
+        let root = Subcells::of(&Cell::ROOT, 1);
+        let (mut inside, _) = grower.deal(&all, &root, false);
+        drop(all);
+        let inside = inside.swap_remove(0);
+        let levels = grower
+            .branch(&Cell::ROOT, 0, &inside)
+            .map_err(|TooLarge| self.too_large(&format!("more than {}", megabytes(self.memory))))?;
+        if levels[0].samples.is_empty() {
+            let failure = Failure::input("the object has no surface in any cell of the grid");
+            return Err(match self.separation {
+                Separation::TwentySix => failure.help("give a model that has triangles"),
+                Separation::Six => {
+                    failure.help("use more subdivisions, or cells that are not thin")
+                }
+            });
+        }
+        Ok(Tree {
+            sequence: self.sequence.as_slice().to_vec(),
+            separation: self.separation,
+            levels,
+        })
+    }
+
+    fn too_large(&self, needs: &str) -> Failure {
+        Failure::input(format!(
+            "a grid of {} cells an axis needs {needs} of memory for this object, and the limit \
+             is {}",
+            self.sequence.cells(),
+            megabytes(self.memory)
+        ))
+        .help("use fewer subdivisions or thin cells, or raise the limit with --memory")
+    }
+}
+
+/// The lists of primitives: all of them at the root, and again, with those that meet several
+/// subcells, in the level below it.
+fn list_bytes<G: Geometry + ?Sized>(geometry: &G) -> u64 {
+    u64::from(geometry.primitives()) * 4 * 4
+}
+
+fn megabytes(bytes: u64) -> String {
+    format!("{} MB", bytes.div_ceil(1_000_000))
+}
+
+/// The memory limit was passed.
+struct TooLarge;
+
+/// What all subtrees share.
+struct Grower<'a, G: ?Sized> {
+    geometry: &'a G,
+    sequence: &'a [u8],
+    separation: Separation,
+    bytes: AtomicU64,
+    limit: u64,
+    leaves: &'a AtomicU64,
+}
+
+/// The primitives of each subcell, by bit.
+type Lists = Vec<Vec<u32>>;
+
+impl<G: Geometry + ?Sized> Grower<'_, G> {
+    /// Whether the children of a node at `depth` are leaves that must be crossed.
+    fn must_cross(&self, depth: usize) -> bool {
+        self.separation == Separation::Six && depth + 1 == self.sequence.len()
+    }
+
+    /// The subtree of `cell`, at `depth`, as its levels from there down; they are empty when
+    /// it has no leaf. Subtrees are divided among threads.
+    fn branch(
+        &self,
+        cell: &Cell,
+        depth: usize,
+        primitives: &[u32],
+    ) -> Result<Vec<TreeLevel>, TooLarge> {
+        if cell.per_axis >= TASKS || depth == self.sequence.len() {
+            let mut task = Task::new(self, depth);
+            task.grow(cell, depth, primitives)?;
+            task.account(0)?;
+            return Ok(task.levels);
+        }
+        let rho = self.sequence[depth];
+        let subcells = Subcells::of(cell, rho);
+        let (sample, (lists, crossed)) = rayon::join(
+            || self.sample(cell, primitives),
+            || self.deal(primitives, &subcells, self.must_cross(depth)),
+        );
+        let children: Vec<Vec<TreeLevel>> = lists
+            .into_par_iter()
+            .enumerate()
+            .map(|(bit, list)| {
+                if list.is_empty() || crossed >> bit & 1 == 0 {
+                    return Ok(Vec::new());
+                }
+                self.branch(&cell.child(rho, bit as u32), depth + 1, &list)
+            })
+            .collect::<Result<_, _>>()?;
+
+        let mut levels = vec![TreeLevel::default(); self.sequence.len() + 1 - depth];
+        let mut mask = 0;
+        for (bit, child) in children.into_iter().enumerate() {
+            if child.first().is_some_and(|top| !top.samples.is_empty()) {
+                mask |= 1 << bit;
+            }
+            for (level, part) in levels[1..].iter_mut().zip(child) {
+                level.samples.extend_from_slice(&part.samples);
+                level.masks.extend_from_slice(&part.masks);
+            }
+        }
+        if let (true, Some(sample)) = (mask != 0, sample) {
+            levels[0].samples.push(sample);
+            levels[0].masks.push(mask);
+        }
+        Ok(levels)
+    }
+
+    /// Deals the primitives of a cell out to its subcells, each list in ascending order; and
+    /// the subcells that are crossed, if that is asked, else all.
+    fn deal(&self, primitives: &[u32], subcells: &Subcells, cross: bool) -> (Lists, u128) {
+        let cells = subcells.rho().pow(3);
+        let parts: Vec<(Lists, u128)> = primitives
+            .par_chunks(CHUNK)
+            .map(|chunk| {
+                let mut lists = vec![Vec::new(); cells];
+                let crossed = self.deal_chunk(chunk, subcells, cross, &mut lists);
+                (lists, crossed)
+            })
+            .collect();
+        let mut parts = parts.into_iter();
+        let (mut lists, mut crossed) = parts.next().unwrap_or_else(|| (vec![Vec::new(); cells], 0));
+        for (part, more) in parts {
+            crossed |= more;
+            for (list, more) in lists.iter_mut().zip(part) {
+                list.extend_from_slice(&more);
+            }
+        }
+        (lists, crossed)
+    }
+
+    fn deal_chunk(
+        &self,
+        primitives: &[u32],
+        subcells: &Subcells,
+        cross: bool,
+        lists: &mut Lists,
+    ) -> u128 {
+        let mut crossed = if cross { 0 } else { u128::MAX };
+        for &primitive in primitives {
+            let mask = self.geometry.meets(primitive, subcells);
+            for bit in bits(mask) {
+                lists[bit as usize].push(primitive);
+            }
+            if mask & !crossed != 0 {
+                crossed |= mask & self.geometry.crosses(primitive, subcells);
+            }
+        }
+        crossed
+    }
+
+    fn sample(&self, cell: &Cell, primitives: &[u32]) -> Option<TreeSample> {
+        let centre = cell.centre();
+        let sample = self.geometry.sample_at(primitives, centre)?;
+        let from_centre: DVec3 = sample.position - centre;
+        Some(TreeSample {
+            normal: sample.normal.as_vec3(),
+            offset: (from_centre.dot(sample.normal) / cell.side()) as f32,
+            colour: sample.colour,
+        })
+    }
+}
+
+/// One subtree, grown depth first by one thread.
+struct Task<'a, 'b, G: ?Sized> {
+    shared: &'a Grower<'b, G>,
+    /// The depth of the subtree's root.
+    top: usize,
+    levels: Vec<TreeLevel>,
+    /// The subcells' lists in use at each depth below the root, kept for their memory.
+    lists: Vec<Lists>,
+    /// Nodes and leaves not yet accounted for.
+    nodes: u64,
+    leaves: u64,
+}
+
+impl<'a, 'b, G: Geometry + ?Sized> Task<'a, 'b, G> {
+    fn new(shared: &'a Grower<'b, G>, top: usize) -> Self {
+        let below = &shared.sequence[top..];
+        Self {
+            shared,
+            top,
+            levels: vec![TreeLevel::default(); below.len() + 1],
+            lists: below
+                .iter()
+                .map(|&rho| vec![Vec::new(); usize::from(rho).pow(3)])
+                .collect(),
+            nodes: 0,
+            leaves: 0,
+        }
+    }
+
+    /// Adds the subtree of `cell` to the levels; says whether it has a leaf.
+    fn grow(&mut self, cell: &Cell, depth: usize, primitives: &[u32]) -> Result<bool, TooLarge> {
+        let level = depth - self.top;
+        let Some(sample) = self.shared.sample(cell, primitives) else {
+            return Ok(false);
+        };
+        if let Some(&rho) = self.shared.sequence.get(depth) {
+            let subcells = Subcells::of(cell, rho);
+            let mut lists = std::mem::take(&mut self.lists[level]);
+            for list in &mut lists {
+                list.clear();
+            }
+            let cross = self.shared.must_cross(depth);
+            let crossed = self
+                .shared
+                .deal_chunk(primitives, &subcells, cross, &mut lists);
+            let mut mask = 0;
+            for (bit, list) in (0..).zip(&lists) {
+                if !list.is_empty()
+                    && crossed >> bit & 1 == 1
+                    && self.grow(&cell.child(rho, bit), depth + 1, list)?
+                {
+                    mask |= 1 << bit;
+                }
+            }
+            self.lists[level] = lists;
+            if mask == 0 {
+                return Ok(false);
+            }
+            self.levels[level].masks.push(mask);
+        } else {
+            self.leaves += 1;
+        }
+        self.levels[level].samples.push(sample);
+        self.nodes += 1;
+        self.account(1024)?;
+        Ok(true)
+    }
+
+    /// Tells of the nodes made since it was last called, if there are at least `from`.
+    fn account(&mut self, from: u64) -> Result<(), TooLarge> {
+        if self.nodes < from {
+            return Ok(());
+        }
+        self.shared.leaves.fetch_add(self.leaves, Ordering::Relaxed);
+        let bytes = self.nodes * NODE_BYTES;
+        let before = self.shared.bytes.fetch_add(bytes, Ordering::Relaxed);
+        (self.nodes, self.leaves) = (0, 0);
+        if before + bytes > self.shared.limit {
+            return Err(TooLarge);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::triangles::Triangles;
+    use crate::mesh::Mesh;
+
+    /// A sphere of radius 0.5, finer than the cells of the tests.
+    fn sphere() -> Mesh {
+        const STEPS: u32 = 48;
+        let turn = |i: u32, n: u32| f64::from(i) / f64::from(n) * std::f64::consts::TAU;
+        let mut mesh = Mesh::default();
+        for i in 0..=STEPS {
+            for j in 0..=2 * STEPS {
+                let (polar, round) = (0.5 * turn(i, STEPS), turn(j, 2 * STEPS));
+                let normal = DVec3::new(
+                    polar.sin() * round.sin(),
+                    polar.cos(),
+                    polar.sin() * round.cos(),
+                );
+                mesh.positions.push(0.5 * normal);
+                mesh.normals.push(normal);
+                mesh.colours.push([i as u8, j as u8, 7]);
+                if i > 0 && j > 0 {
+                    let [a, b, c, d] = [0, 1, 2 * STEPS + 1, 2 * STEPS + 2]
+                        .map(|back| mesh.positions.len() as u32 - 1 - back);
+                    mesh.triangles.extend([[d, b, a], [d, a, c]]);
+                }
+            }
+        }
+        mesh
+    }
+
+    fn sampling(sequence: &str, separation: Separation) -> Sampling {
+        Sampling {
+            sequence: sequence.parse().unwrap(),
+            separation,
+            memory: 1 << 30,
+        }
+    }
+
+    fn grow(mesh: &Mesh, sequence: &str, separation: Separation) -> Tree {
+        sampling(sequence, separation)
+            .sample(&Triangles::new(mesh), &AtomicU64::new(0))
+            .unwrap()
+    }
+
+    /// Every node of a tree, level by level, found by descending it.
+    fn cells(tree: &Tree) -> Vec<Vec<Cell>> {
+        let mut levels = vec![vec![Cell::ROOT]];
+        for (level, &rho) in tree.levels.iter().zip(&tree.sequence) {
+            let parents = &levels[levels.len() - 1];
+            assert_eq!(level.masks.len(), parents.len());
+            let children = parents
+                .iter()
+                .zip(&level.masks)
+                .flat_map(|(cell, &mask)| bits(mask).map(move |bit| cell.child(rho, bit)))
+                .collect();
+            levels.push(children);
+        }
+        levels
+    }
+
+    #[test]
+    fn every_cell_that_a_triangle_meets_is_a_leaf_and_no_other() {
+        let mesh = sphere();
+        let geometry = Triangles::new(&mesh);
+        for (sequence, separation) in [
+            ("3,3", Separation::TwentySix),
+            ("2,5", Separation::TwentySix),
+            ("4,3,2", Separation::Six),
+            ("5", Separation::Six),
+        ] {
+            let tree = grow(&mesh, sequence, separation);
+            let leaves = cells(&tree).pop().unwrap();
+            let n = sampling(sequence, separation).sequence.cells();
+            let mut expected = 0;
+            for index in 0..n.pow(3) {
+                let cell = Cell {
+                    per_axis: n,
+                    index: [index % n, index / n % n, index / n / n],
+                };
+                let cell_itself = Subcells::of(&cell, 1);
+                let exists = (0..geometry.primitives()).any(|primitive| {
+                    (match separation {
+                        Separation::TwentySix => geometry.meets(primitive, &cell_itself),
+                        Separation::Six => geometry.crosses(primitive, &cell_itself),
+                    }) == 1
+                });
+                expected += usize::from(exists);
+                assert_eq!(leaves.contains(&cell), exists, "{cell:?}");
+            }
+            assert_eq!(tree.leaves(), expected);
+        }
+    }
+
+    #[test]
+    fn each_sample_belongs_to_its_cell() {
+        let mesh = sphere();
+        let geometry = Triangles::new(&mesh);
+        for separation in [Separation::TwentySix, Separation::Six] {
+            let tree = grow(&mesh, "2,3,4", separation);
+            for (level, cells) in tree.levels.iter().zip(cells(&tree)) {
+                assert_eq!(level.samples.len(), cells.len());
+                for (sample, cell) in level.samples.iter().zip(cells) {
+                    let met: Vec<u32> = (0..geometry.primitives())
+                        .filter(|&p| geometry.meets(p, &Subcells::of(&cell, 1)) == 1)
+                        .collect();
+                    let nearest = geometry.sample_at(&met, cell.centre()).unwrap();
+                    assert_eq!(sample.normal, nearest.normal.as_vec3());
+                    assert_eq!(sample.colour, nearest.colour);
+                    let plane =
+                        cell.centre() + f64::from(sample.offset) * cell.side() * nearest.normal;
+                    let off = (nearest.position - plane).dot(nearest.normal);
+                    assert!(off.abs() < 1e-6, "{cell:?} is off by {off}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_inner_node_exists_only_above_a_leaf() {
+        let tree = grow(&sphere(), "2,2,2,2,2", Separation::Six);
+        for level in &tree.levels[..5] {
+            assert!(level.masks.iter().all(|&mask| mask != 0));
+        }
+        assert!(tree.levels[5].masks.is_empty());
+    }
+
+    #[test]
+    fn the_leaves_do_not_depend_on_how_the_cells_are_cut() {
+        let mesh = sphere();
+        for separation in [Separation::TwentySix, Separation::Six] {
+            let mut all: Vec<Vec<[u32; 3]>> = Vec::new();
+            for sequence in ["2,3,4", "4,3,2", "3,2,2,2"] {
+                let leaves = cells(&grow(&mesh, sequence, separation)).pop().unwrap();
+                let mut leaves: Vec<_> = leaves.iter().map(|cell| cell.index).collect();
+                leaves.sort_unstable();
+                all.push(leaves);
+            }
+            assert_eq!(all[0], all[1]);
+            assert_eq!(all[0], all[2]);
+        }
+    }
+
+    #[test]
+    fn the_tree_is_the_same_whatever_the_number_of_threads() {
+        let mesh = sphere();
+        let geometry = Triangles::new(&mesh);
+        for separation in [Separation::TwentySix, Separation::Six] {
+            let trees = [1, 2, 5].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .build()
+                    .unwrap();
+                let sampling = sampling("3,2,3,3", separation);
+                pool.install(|| sampling.sample(&geometry, &AtomicU64::new(0)).unwrap())
+            });
+            assert_eq!(trees[0], trees[1]);
+            assert_eq!(trees[0], trees[2]);
+        }
+    }
+
+    #[test]
+    fn progress_ends_at_the_number_of_leaves_which_was_about_foreseen() {
+        let mesh = sphere();
+        let geometry = Triangles::new(&mesh);
+        for separation in [Separation::TwentySix, Separation::Six] {
+            let sampling = sampling("3,3,5", separation);
+            let leaves = AtomicU64::new(0);
+            let tree = sampling.sample(&geometry, &leaves).unwrap();
+            assert_eq!(leaves.into_inner(), tree.leaves() as u64);
+            let ratio = sampling.expected_leaves(&geometry) as f64 / tree.leaves() as f64;
+            assert!((0.9..1.1).contains(&ratio), "{ratio}");
+        }
+    }
+
+    #[test]
+    fn a_tree_over_the_memory_limit_is_refused_with_a_way_out() {
+        let mesh = sphere();
+        let geometry = Triangles::new(&mesh);
+        let mut sampling = sampling("4,4,4,4", Separation::TwentySix);
+        let expected = sampling.expected_memory(&geometry);
+        // Foreseen, and found out on the way.
+        for memory in [expected / 10, expected * 6 / 10] {
+            sampling.memory = memory;
+            let failure = sampling.sample(&geometry, &AtomicU64::new(0)).unwrap_err();
+            assert!(failure.message.contains("MB"), "{failure}");
+            assert!(failure.help.unwrap().contains("--memory"));
+        }
+        sampling.memory = expected * 3 / 2;
+        assert!(sampling.sample(&geometry, &AtomicU64::new(0)).is_ok());
+    }
+
+    #[test]
+    fn what_has_no_surface_is_refused() {
+        let mesh = Mesh::default();
+        for separation in [Separation::TwentySix, Separation::Six] {
+            let failure = sampling("3,3", separation)
+                .sample(&Triangles::new(&mesh), &AtomicU64::new(0))
+                .unwrap_err();
+            assert!(failure.help.is_some());
+        }
+    }
+}
