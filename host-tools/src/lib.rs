@@ -4,10 +4,10 @@
 pub mod blob_file;
 pub mod cli;
 pub mod device;
+pub mod encode;
 pub mod failure;
 pub mod firmware;
 pub mod geometry;
-pub mod mesh;
 pub mod mesh;
 pub mod model;
 pub mod palette;

@@ -55,57 +55,59 @@ pub fn light(towards: DVec3) -> [Unit; 3] {
     towards.normalize().to_array().map(ToFixed::to_fixed)
 }
 
-/// Draws every grid of `blob`.
+/// Draws `blob`.
 ///
 /// # Errors
-/// When the view is out of range.
+/// When the view is out of range, or the blob has several grids.
 pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outcome<Drawn> {
     let camera = view.camera()?;
     let (width, height) = (camera.width, camera.height);
     let pixels = usize::from(width) * usize::from(height);
     let mut words = vec![BACKGROUND; pixels];
-    let mut depth = vec![f32::NAN; pixels];
     let mut tables = Box::new(render::View::empty());
     let mut colours = vec![0; Shading::words(blob.materials().len())];
     let internal = |what: &str| Failure::input(format!("{what} (an error in rho)"));
-    for index in 0..blob.grid_count() {
-        let grid = blob.grid(index).ok_or_else(|| internal("grid missing"))?;
-        tables
-            .prepare(&camera, &grid, mode.cell_size)
-            .map_err(|e| Failure::input(e.to_string()))?;
-        let shading = Shading::new(
-            &mut colours,
-            grid.layout(),
-            blob.materials(),
-            light(towards),
-        )
-        .ok_or_else(|| internal("shading table"))?;
-        let mut frame =
-            Frame::new(&mut words, width, height).ok_or_else(|| internal("frame size"))?;
-        let unit = (-f64::from(tables.w_bits())).exp2();
-        let mut w = vec![0; pixels];
-        match mode.visibility {
-            VisibilityMode::Eye => {
-                let mut bits = vec![0; EyeOrder::words(width, height)];
-                let inner =
-                    EyeOrder::new(&mut frame, &mut bits).ok_or_else(|| internal("coverage"))?;
-                let mut target = Recorder::new(inner, &mut w, width);
-                render::draw_seen(mode, &grid, &tables, &shading, &mut target);
-            }
-            VisibilityMode::Z => {
-                let mut buffer = vec![0; pixels];
-                let inner = ZBuffer::new(&mut frame, &mut buffer)
-                    .ok_or_else(|| internal("depth buffer"))?;
-                let mut target = Recorder::new(inner, &mut w, width);
-                render::draw_seen(mode, &grid, &tables, &shading, &mut target);
-            }
+    let grid = match (blob.grid_count(), blob.grid(0)) {
+        (1, Some(grid)) => grid,
+        _ => {
+            return Err(Failure::input("the blob has several grids")
+                .help("this version draws blobs of one grid; bake one model alone"));
         }
-        for (depth, w) in depth.iter_mut().zip(w) {
-            if w > 0 {
-                *depth = (f64::from(w) * unit) as f32;
-            }
+    };
+    tables
+        .prepare(&camera, &grid, mode.cell_size)
+        .map_err(|e| Failure::input(e.to_string()))?;
+    let shading = Shading::new(
+        &mut colours,
+        grid.layout(),
+        blob.materials(),
+        light(towards),
+    )
+    .ok_or_else(|| internal("shading table"))?;
+    let mut frame = Frame::new(&mut words, width, height).ok_or_else(|| internal("frame size"))?;
+    let mut w = vec![0; pixels];
+    match mode.visibility {
+        VisibilityMode::Eye => {
+            let mut bits = vec![0; EyeOrder::words(width, height)];
+            let inner = EyeOrder::new(&mut frame, &mut bits).ok_or_else(|| internal("coverage"))?;
+            let mut target = Recorder::new(inner, &mut w, width);
+            render::draw_seen(mode, &grid, &tables, &shading, &mut target);
+        }
+        VisibilityMode::Z => {
+            let mut buffer = vec![u16::MAX; pixels];
+            let inner = ZBuffer::new(&mut frame, &mut buffer).ok_or_else(|| internal("depths"))?;
+            let mut target = Recorder::new(inner, &mut w, width);
+            render::draw_seen(mode, &grid, &tables, &shading, &mut target);
         }
     }
+    let unit = (-f64::from(tables.w_bits())).exp2();
+    let depth = w
+        .into_iter()
+        .map(|w| match w {
+            0 => f32::NAN,
+            w => (f64::from(w) * unit) as f32,
+        })
+        .collect();
     Ok(Drawn {
         width,
         height,

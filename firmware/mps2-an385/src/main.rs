@@ -36,6 +36,7 @@ use embedded_hal_bus::spi::ExclusiveDevice;
 use rho_viewer::canvas::{PIXELS, Words};
 use rho_viewer::flow::{self, Device};
 use rho_viewer::panel::{Ili9341, ScreenError, Wire};
+use rho_viewer::picture::Memory;
 use rho_viewer::report::Exit;
 use rho_viewer::request::MAX_LINE;
 
@@ -47,6 +48,7 @@ use crate::uart::Uart;
 #[entry]
 fn main() -> ! {
     static mut WORDS: Words = [0; PIXELS];
+    static mut MEMORY: Memory = Memory::new();
     static mut LINE: [MaybeUninit<u8>; MAX_LINE] = [MaybeUninit::uninit(); MAX_LINE];
     // A line that does not come, or is too long, is a request without a picture.
     let line = semihosting::sys::arm_compat::sys_get_cmdline_uninit(LINE)
@@ -54,11 +56,11 @@ fn main() -> ! {
         .and_then(|bytes| core::str::from_utf8(bytes).ok())
         .unwrap_or("");
     defmt::info!("request: {=str}", line);
-    exit(show(line, WORDS))
+    exit(show(line, WORDS, MEMORY))
 }
 
 /// Starts the panel, does what the line asks for, and reports.
-fn show(line: &str, words: &mut Words) -> Exit {
+fn show(line: &str, words: &mut Words, memory: &mut Memory) -> Exit {
     let screen = match panel() {
         Ok(screen) => screen,
         Err(error) => {
@@ -71,6 +73,7 @@ fn show(line: &str, words: &mut Words) -> Exit {
         counter: Clock,
         flash: bare::model(),
         words,
+        memory,
     };
     let mut report = flow::run(&mut device, line);
     report.stack_bytes = bare::stack_used();

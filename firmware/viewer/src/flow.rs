@@ -8,7 +8,7 @@ use crate::canvas::{Canvas, HEIGHT, WIDTH, Words};
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::message;
 use crate::panel::{Screen, ScreenError};
-use crate::picture::{self, ModelError};
+use crate::picture::{Memory, Model, ModelError};
 use crate::report::{Exit, Report};
 use crate::request::{Request, RequestError};
 use crate::test_card;
@@ -27,6 +27,8 @@ pub struct Device<'a, S, C> {
     pub flash: &'a [u8],
     /// Where frames are drawn.
     pub words: &'a mut Words,
+    /// What drawing a model needs beside.
+    pub memory: &'a mut Memory,
 }
 
 /// Why there is no picture.
@@ -104,6 +106,7 @@ fn answer<S: Screen, C: Counter>(
         counter,
         flash,
         words,
+        memory,
     } = device;
     let request = Request::parse(line).map_err(Stop::Request)?;
     (report.width, report.height) = match &request {
@@ -113,14 +116,20 @@ fn answer<S: Screen, C: Counter>(
     if report.width > WIDTH || report.height > HEIGHT {
         return Err(Stop::TooLarge);
     }
+    let model = match &request {
+        Request::Model(_) => Some(Model::check(flash).map_err(Stop::Model)?),
+        Request::TestCard | Request::CountLoop => None,
+    };
     let mut watch = Stopwatch::new(counter);
     for _ in 0..2 {
         watch.reset();
-        match &request {
-            Request::Model(scene) => {
-                picture::draw(flash, scene, words, &mut watch).map_err(Stop::Model)?;
+        match (&request, &model) {
+            (Request::Model(scene), Some(model)) => {
+                model
+                    .draw(scene, words, memory, &mut watch)
+                    .map_err(Stop::Model)?;
             }
-            Request::TestCard | Request::CountLoop => {
+            _ => {
                 let canvas = &mut Canvas::new(words);
                 let Ok(()) = watch.time(Phase::Draw, || test_card::draw(canvas));
             }
@@ -189,6 +198,7 @@ mod tests {
             counter: Still,
             flash: &[0; 64],
             words: &mut words,
+            memory: &mut Memory::new(),
         };
         let report = run(&mut device, line);
         (report, device.screen.0)
@@ -231,7 +241,7 @@ mod tests {
                      cell_size=128";
         let (report, _) = asked(scene, false);
         assert_eq!(report.exit, Exit::Model);
-        assert!(report.message.contains("no model"), "{}", report.message);
+        assert!(report.message.contains("no blob"), "{}", report.message);
         let (report, _) = asked(&scene.replace("240;320", "320;240"), false);
         assert!(report.message.contains("240 x 320"), "{}", report.message);
     }

@@ -1,43 +1,136 @@
-//! The seam between the device and the renderer: a model's picture into a frame.
+//! A model's picture into a frame.
 
 use core::fmt;
 
-use crate::canvas::Words;
-use crate::count::{Counter, Stopwatch};
+use rho_grid::blob::format::MAX_MATERIALS;
+use rho_grid::blob::{Blob, BlobError, Grid};
+use rho_grid::frame::Frame;
+use rho_grid::render::{Buffers, EyeOrder, View, ViewError, draw_mode};
+use rho_grid::shading::Shading;
+
+use crate::canvas::{HEIGHT, PIXELS, WIDTH, Words};
+use crate::count::{Counter, Phase, Stopwatch};
 use crate::request::Scene;
+
+/// The background: black.
+const BACKGROUND: u16 = 0;
+
+/// What drawing needs beside the frame, for every mode and up to eight materials.
+#[derive(Debug)]
+pub struct Memory {
+    view: View,
+    colours: [u16; Shading::words(MAX_MATERIALS)],
+    coverage: [u32; EyeOrder::words(WIDTH, HEIGHT)],
+    depth: [u16; PIXELS],
+}
+
+impl Memory {
+    /// All zeros, so that a board's static costs no flash.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            view: View::empty(),
+            colours: [0; Shading::words(MAX_MATERIALS)],
+            coverage: [0; EyeOrder::words(WIDTH, HEIGHT)],
+            depth: [0; PIXELS],
+        }
+    }
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self::new()
+    }
+}
 
 /// Why a model is not drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModelError {
-    /// The flash where it should be is empty.
-    Missing,
-    /// This firmware cannot draw models.
-    NoRenderer,
+    /// The blob is refused.
+    Blob(BlobError),
+    /// It has several grids; this version draws one.
+    SeveralGrids,
+    /// The camera is none.
+    View(ViewError),
+    /// The frame is larger than the board's memory for it.
+    TooLarge,
 }
 
 impl fmt::Display for ModelError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Missing => "there is no model where one is looked for: the flash there is empty",
-            Self::NoRenderer => "this firmware has no renderer",
-        })
+        match self {
+            Self::Blob(error) => error.fmt(f),
+            Self::SeveralGrids => f.write_str("the blob has several grids: this version draws one"),
+            Self::View(error) => error.fmt(f),
+            Self::TooLarge => f.write_str("the frame is larger than the memory for it"),
+        }
     }
 }
 
 impl core::error::Error for ModelError {}
 
-/// Draws the model in `flash` into the first `width * height` words.
-///
-/// # Errors
-/// When there is no model, or it is broken.
-pub fn draw<C: Counter>(
-    flash: &[u8],
-    _scene: &Scene,
-    _words: &mut Words,
-    _watch: &mut Stopwatch<'_, C>,
-) -> Result<(), ModelError> {
-    if flash.iter().take(64).all(|byte| *byte == 0) {
-        return Err(ModelError::Missing);
+/// A model in flash that can be drawn: its blob was checked.
+#[derive(Clone, Copy, Debug)]
+pub struct Model<'a> {
+    blob: Blob<'a>,
+    grid: Grid<'a>,
+}
+
+impl<'a> Model<'a> {
+    /// Checks the blob at the start of `flash`, once.
+    ///
+    /// # Errors
+    /// When there is none, or it is refused.
+    pub fn check(flash: &'a [u8]) -> Result<Self, ModelError> {
+        let blob = Blob::parse(flash).map_err(ModelError::Blob)?;
+        match (blob.grid_count(), blob.grid(0)) {
+            (1, Some(grid)) => Ok(Self { blob, grid }),
+            _ => Err(ModelError::SeveralGrids),
+        }
     }
-    Err(ModelError::NoRenderer)
+
+    /// Draws the scene into the first `width * height` words.
+    ///
+    /// # Errors
+    /// When the camera is none or its frame too large.
+    pub fn draw<C: Counter>(
+        &self,
+        scene: &Scene,
+        words: &mut Words,
+        memory: &mut Memory,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
+        let Memory {
+            view,
+            colours,
+            coverage,
+            depth,
+        } = memory;
+        let Scene {
+            camera,
+            light,
+            mode,
+        } = scene;
+        let (blob, grid) = (&self.blob, &self.grid);
+        watch
+            .time(Phase::Setup, || view.prepare(camera, grid, mode.cell_size))
+            .map_err(ModelError::View)?;
+        let shading = watch
+            .time(Phase::ShadingTables, || {
+                Shading::new(colours, grid.layout(), blob.materials(), *light)
+            })
+            .ok_or(ModelError::TooLarge)?;
+        let mut frame =
+            Frame::new(words, camera.width, camera.height).ok_or(ModelError::TooLarge)?;
+        let mut buffers = Buffers { coverage, depth };
+        watch.time(Phase::Clear, || {
+            frame.clear_to(BACKGROUND);
+            buffers.clear(*mode);
+        });
+        watch
+            .time(Phase::Draw, || {
+                draw_mode(*mode, grid, view, &shading, &mut frame, &mut buffers)
+            })
+            .map_err(|_| ModelError::TooLarge)
+    }
 }

@@ -36,11 +36,21 @@ pub struct Buffers<'a> {
     pub depth: &'a mut [u16],
 }
 
+impl Buffers<'_> {
+    /// Forgets what was drawn, as far as `mode` looks at it.
+    pub fn clear(&mut self, mode: Mode) {
+        match mode.visibility {
+            VisibilityMode::Eye => self.coverage.fill(0),
+            VisibilityMode::Z => self.depth.fill(u16::MAX),
+        }
+    }
+}
+
 /// A buffer is too small for the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BufferTooSmall;
 
-/// Clears what the visibility method of `mode` remembers, and draws the grid over the frame.
+/// Draws the grid over the frame, behind what `buffers` remember as nearer.
 ///
 /// # Errors
 /// [`BufferTooSmall`] when `buffers` lack what the mode needs for the frame's size.

@@ -44,13 +44,12 @@ impl<'a, 'f> EyeOrder<'a, 'f> {
         (width as usize).div_ceil(32) * height as usize
     }
 
-    /// Over a frame, with nothing covered yet; `None` when `coverage` is shorter than
-    /// [`Self::words`].
+    /// Over a frame and its coverage as it stands (zeros: nothing drawn yet); `None` when
+    /// `coverage` is shorter than [`Self::words`].
     #[must_use]
     pub fn new(frame: &'a mut Frame<'f>, coverage: &'a mut [u32]) -> Option<Self> {
         let (width, height) = (frame.width(), frame.height());
         let covered = coverage.get_mut(..Self::words(width, height))?;
-        covered.fill(0);
         Some(Self {
             frame,
             covered,
@@ -124,12 +123,11 @@ pub struct ZBuffer<'a, 'f> {
 }
 
 impl<'a, 'f> ZBuffer<'a, 'f> {
-    /// Over a frame, with nothing drawn yet; `None` when `depth` has fewer words than the frame
-    /// pixels.
+    /// Over a frame and its depths as they stand (65535: nothing drawn yet); `None` when `depth`
+    /// has fewer words than the frame pixels.
     #[must_use]
     pub fn new(frame: &'a mut Frame<'f>, depth: &'a mut [u16]) -> Option<Self> {
         let depth = depth.get_mut(..frame.pixels().len())?;
-        depth.fill(u16::MAX);
         let width = u32::from(frame.width());
         Some(Self {
             frame,
@@ -186,7 +184,7 @@ mod tests {
     fn in_eye_order_the_first_sample_keeps_the_pixel() {
         let mut buffer = [0; 100 * 2];
         let mut frame = Frame::new(&mut buffer, 100, 2).unwrap();
-        let mut bits = [7; 8];
+        let mut bits = [0; 8];
         let mut eye = EyeOrder::new(&mut frame, &mut bits).unwrap();
         assert!(!eye.is_hidden(rect(30, 70, 0, 1)));
         eye.draw(rect(30, 70, 0, 1), 0, || 1);
@@ -203,7 +201,7 @@ mod tests {
     fn in_the_z_buffer_the_nearer_sample_wins() {
         let mut buffer = [0; 4];
         let mut frame = Frame::new(&mut buffer, 2, 2).unwrap();
-        let mut depth = [0; 4];
+        let mut depth = [u16::MAX; 4];
         let mut z = ZBuffer::new(&mut frame, &mut depth).unwrap();
         z.draw(rect(0, 1, 0, 1), 1 << 20, || 1);
         z.draw(rect(0, 0, 0, 0), 1 << 19, || 2);

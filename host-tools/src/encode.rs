@@ -1,0 +1,189 @@
+//! A tree of samples to the bytes of a blob (SPEC.md of rho-grid).
+
+use glam::DVec3;
+use rayon::prelude::*;
+use rho_grid::blob::format::{
+    BASE_NODES, CRC, ENTRY_BYTES, GRID_BYTES, HEADER_BYTES, MAGIC, MATERIAL_BYTES,
+    MAX_SUBDIVISIONS, PAGE_BYTES, VERSION, kind,
+};
+use rho_grid::blob::{Layout, Material};
+
+use crate::palette::Palette;
+use crate::quantise::normal_index;
+use crate::sampling::{Separation, Tree, TreeLevel, TreeSample};
+
+/// A blob in the making: sections in the order in which they are added.
+#[derive(Debug, Default)]
+struct Sections {
+    entries: Vec<(u16, u16, Vec<u8>)>,
+}
+
+/// What goes into a blob beside its tree.
+#[derive(Clone, Debug)]
+pub struct Encoding {
+    /// What an attribute word holds.
+    pub layout: Layout,
+    /// The materials, 1 to 8; a sample gets the nearest colour's if the layout has material bits.
+    pub palette: Palette,
+    /// Lines `key=value`: generator, options, source.
+    pub origin: String,
+}
+
+/// The blob with one grid.
+#[must_use]
+pub fn encode(tree: &Tree, encoding: &Encoding) -> Vec<u8> {
+    let mut sections = Sections::default();
+    sections.add(kind::ORIGIN, encoding.origin.clone().into_bytes());
+    sections.add(kind::MATERIALS, materials(&encoding.palette.materials()));
+    sections.add(kind::GRID, description(tree, encoding.layout));
+    sections.add(kind::MASKS, masks(tree));
+    sections.add(kind::CHILDREN, children(tree));
+    sections.add(kind::ATTRIBUTES, attributes(tree, encoding));
+    sections.write()
+}
+
+impl Sections {
+    fn add(&mut self, kind: u16, bytes: Vec<u8>) {
+        self.entries.push((kind, 0, bytes));
+    }
+
+    fn write(self) -> Vec<u8> {
+        let padded = |n: usize| n.next_multiple_of(4);
+        let content: usize = self.entries.iter().map(|(_, _, b)| padded(b.len())).sum();
+        let directory = HEADER_BYTES + ENTRY_BYTES * self.entries.len();
+        let body = directory + 4 * content.div_ceil(PAGE_BYTES);
+
+        let mut out = Vec::with_capacity(body + content);
+        out.extend(MAGIC);
+        out.extend(VERSION.to_le_bytes());
+        out.extend((HEADER_BYTES as u16).to_le_bytes());
+        for word in [body + content, body, PAGE_BYTES, self.entries.len(), 0] {
+            out.extend((word as u32).to_le_bytes());
+        }
+        let mut offset = body;
+        for (kind, grid, bytes) in &self.entries {
+            out.extend(kind.to_le_bytes());
+            out.extend(grid.to_le_bytes());
+            for word in [offset, bytes.len(), 0] {
+                out.extend((word as u32).to_le_bytes());
+            }
+            offset += padded(bytes.len());
+        }
+        out.resize(body, 0);
+        for (_, _, bytes) in &self.entries {
+            out.extend(bytes);
+            out.resize(padded(out.len() - body) + body, 0);
+        }
+
+        let pages: Vec<u32> = out[body..]
+            .chunks(PAGE_BYTES)
+            .map(crc32fast::hash)
+            .collect();
+        for (page, crc) in pages.into_iter().enumerate() {
+            let at = directory + 4 * page;
+            out[at..at + 4].copy_from_slice(&crc.to_le_bytes());
+        }
+        let mut digest = CRC.digest();
+        digest.update(&out[..HEADER_BYTES - 4]);
+        digest.update(&out[HEADER_BYTES..body]);
+        out[HEADER_BYTES - 4..HEADER_BYTES].copy_from_slice(&digest.finalize().to_le_bytes());
+        out
+    }
+}
+
+fn materials(materials: &[Material]) -> Vec<u8> {
+    let mut out = Vec::with_capacity(MATERIAL_BYTES * materials.len());
+    for m in materials {
+        for rgb in [m.ambient, m.diffuse, m.specular] {
+            out.extend(rgb.iter().flat_map(|c| c.to_le_bytes()));
+        }
+        out.extend(m.exponent.to_le_bytes());
+    }
+    out
+}
+
+fn description(tree: &Tree, layout: Layout) -> Vec<u8> {
+    let mut out = vec![
+        tree.sequence.len() as u8,
+        match tree.separation {
+            Separation::TwentySix => 26,
+            Separation::Six => 6,
+        },
+        layout.word_bytes,
+        layout.normal,
+        layout.offset,
+        layout.material,
+        layout.colour,
+        layout.offset_range,
+    ];
+    out.extend(&tree.sequence);
+    out.resize(8 + MAX_SUBDIVISIONS, 0);
+    for level in &tree.levels {
+        out.extend((level.samples.len() as u32).to_le_bytes());
+    }
+    out.resize(GRID_BYTES, 0);
+    out
+}
+
+fn inner(tree: &Tree) -> impl Iterator<Item = (u8, &TreeLevel)> {
+    tree.sequence.iter().copied().zip(&tree.levels)
+}
+
+fn masks(tree: &Tree) -> Vec<u8> {
+    let mut out = Vec::new();
+    for (rho, level) in inner(tree) {
+        let bytes = match rho {
+            2 => 1,
+            3 => 4,
+            4 => 8,
+            _ => 16,
+        };
+        for mask in &level.masks {
+            out.extend(&mask.to_le_bytes()[..bytes]);
+        }
+        out.resize(out.len().next_multiple_of(4), 0);
+    }
+    out
+}
+
+fn children(tree: &Tree) -> Vec<u8> {
+    let mut out = Vec::new();
+    for (_, level) in inner(tree) {
+        let mut firsts = Vec::with_capacity(level.masks.len());
+        let mut next = 0u32;
+        for mask in &level.masks {
+            firsts.push(next);
+            next += mask.count_ones();
+        }
+        for base in firsts.iter().step_by(BASE_NODES) {
+            out.extend(base.to_le_bytes());
+        }
+        for group in firsts.chunks(BASE_NODES) {
+            for first in group {
+                // At most 512 x 125.
+                out.extend(((first - group[0]) as u16).to_le_bytes());
+            }
+        }
+        out.resize(out.len().next_multiple_of(4), 0);
+    }
+    out
+}
+
+fn attributes(tree: &Tree, encoding: &Encoding) -> Vec<u8> {
+    let word = |sample: &TreeSample| -> [u8; 2] {
+        let layout = encoding.layout;
+        let normal = normal_index(DVec3::from(sample.normal));
+        let offset = layout.offset_step((sample.offset.clamp(-2.0, 2.0) * 65536.0) as i32);
+        let material = if layout.material == 0 {
+            0
+        } else {
+            encoding.palette.nearest(sample.colour)
+        };
+        (layout.pack(normal, offset, material, 0) as u16).to_le_bytes()
+    };
+    tree.levels
+        .iter()
+        .flat_map(|level| level.samples.par_iter().map(word).collect::<Vec<_>>())
+        .flatten()
+        .collect()
+}
