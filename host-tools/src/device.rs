@@ -11,6 +11,7 @@ use crate::failure::{Failure, Outcome};
 use crate::firmware::Firmware;
 use crate::panel::{self, Glass, Panel};
 use crate::qemu::{self, Job};
+use crate::render::frame_crc32;
 
 /// What a device did.
 #[derive(Clone, Debug)]
@@ -130,7 +131,7 @@ pub fn ask(
         )));
     }
     let words = panel::crop(&panel.seen(), report.width, report.height);
-    let crc32 = panel::crc32(&words);
+    let crc32 = frame_crc32(&words);
     if crc32 != report.frame_crc32 {
         return Err(broken(format!(
             "the picture on the wire has CRC {crc32:08x}, the device's frame {:08x}",

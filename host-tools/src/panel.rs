@@ -151,13 +151,6 @@ pub fn crop(words: &[u16], width: u16, height: u16) -> Vec<u16> {
         .collect()
 }
 
-/// CRC-32 (IEEE) over the words as little-endian bytes, rows from the top.
-#[must_use]
-pub fn crc32(words: &[u16]) -> u32 {
-    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-    crc32fast::hash(&bytes)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

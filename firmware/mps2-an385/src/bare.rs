@@ -104,33 +104,57 @@ pub(crate) fn counter() -> u32 {
     ticks
 }
 
-/// Code of known lengths between two readings, as pairs of length and the readings.
-pub(crate) fn counted_code() -> [(u32, u32, u32); PROBES] {
-    macro_rules! between_readings {
-        ($length:expr; $($line:literal),+; $($name:ident = $operand:expr)?) => {{
-            let start = counter();
-            // SAFETY: works in registers only, declared below; touches no memory.
-            unsafe {
-                asm!($($line,)* $($name = const $operand,)?
-                    out("r2") _, options(nomem, nostack));
-            }
-            let end = counter();
-            ($length, start, end)
-        }};
-    }
+/// Two readings with code of a known length between, in one piece of assembly: the compiler
+/// puts nothing between them.
+macro_rules! between_readings {
+    ($($line:literal),*; $($name:ident = $operand:expr)?) => {{
+        let (start, end): (u32, u32);
+        // SAFETY: reads the counter as `counter` does, and works in registers declared below.
+        unsafe {
+            asm!(
+                "movw {start}, #0x8018",
+                "movt {start}, #0x4002",
+                "ldr {start}, [{start}]",
+                $($line,)*
+                "movw {end}, #0x8018",
+                "movt {end}, #0x4002",
+                "ldr {end}, [{end}]",
+                start = out(reg) start,
+                end = out(reg) end,
+                $($name = const $operand,)?
+                out("r2") _,
+                options(nostack),
+            );
+        }
+        (start, end)
+    }};
+}
+
+/// Two readings with nothing between.
+pub(crate) fn nothing_counted() -> (u32, u32) {
+    between_readings!(;)
+}
+
+/// Code of known lengths: the length and the readings around it.
+pub(crate) fn counted_code() -> [(u32, (u32, u32)); PROBES] {
     const TURNS: u32 = 1_000_000;
     [
-        between_readings!(0; "";),
-        between_readings!(1; "nop";),
-        between_readings!(7; "nop", "nop", "nop", "nop", "nop", "nop", "nop";),
-        // movw, movt, and a subtraction and a branch a turn.
-        between_readings!(
-            2 + 2 * TURNS;
-            "movw r2, #({turns} & 0xFFFF)",
-            "movt r2, #({turns} >> 16)",
-            "2: subs r2, r2, #1",
-            "bne 2b";
-            turns = TURNS
+        (0, nothing_counted()),
+        (1, between_readings!("nop";)),
+        (
+            7,
+            between_readings!("nop", "nop", "nop", "nop", "nop", "nop", "nop";),
+        ),
+        // movw, movt, then a subtraction and a branch a turn.
+        (
+            2 + 2 * TURNS,
+            between_readings!(
+                "movw r2, #({turns} & 0xFFFF)",
+                "movt r2, #({turns} >> 16)",
+                "2: subs r2, r2, #1",
+                "bne 2b";
+                turns = TURNS
+            ),
         ),
     ]
 }

@@ -1,22 +1,20 @@
 //! `rho run`: the frame, drawn by the firmware in QEMU and decoded from the panel's wire.
 
-use std::fs;
-use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use fixed::traits::ToFixed;
-use rho_grid::q::Unit;
 use rho_viewer::count::Phase;
 use rho_viewer::request::{Request, Scene};
 use serde_json::json;
 
+use crate::blob_file::{self, BlobFile};
 use crate::cli::mode::ModeArgs;
 use crate::device::{self, Run};
 use crate::failure::{Failure, Outcome};
 use crate::firmware::Firmware;
 use crate::panel;
+use crate::render;
 use crate::view::ViewArgs;
 
 /// What to draw.
@@ -81,16 +79,19 @@ impl RunArgs {
                     .help("name a baked one, or draw the test card: --picture test-card"));
             }
             None => None,
-            Some(path) => Some(
-                fs::read(path)
-                    .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?,
-            ),
+            Some(path) => {
+                let file = BlobFile::read(path)?;
+                // The device checks it again; here a broken one is told with what to do.
+                file.blob()?;
+                Some(file)
+            }
         };
+        let model = model.as_ref().map(BlobFile::bytes);
         let firmware = match &self.firmware {
             Some(path) => Firmware::open(path)?,
             None => Firmware::build(Path::new("."), None)?,
         };
-        let run = device::run(&firmware, model.as_deref(), &request, self.timeout)?;
+        let run = device::run(&firmware, model, &request, self.timeout)?;
         if self.verbose {
             for line in &run.log {
                 eprintln!("{line}");
@@ -101,10 +102,7 @@ impl RunArgs {
             write_png(output, &run)?;
         }
         if self.json {
-            println!(
-                "{}",
-                self.object(&request, &firmware, model.as_deref(), &run)
-            );
+            println!("{}", self.object(&request, &firmware, model, &run));
         } else {
             println!("{}", line(&firmware, &run));
         }
@@ -117,7 +115,7 @@ impl RunArgs {
             Picture::CountLoop => Request::CountLoop,
             Picture::Model => Request::Model(Scene {
                 camera: self.view.view().camera()?,
-                light: self.view.light().to_array().map(|x| x.to_fixed::<Unit>()),
+                light: render::light(self.view.light()),
                 mode: self.mode.mode(),
             }),
         })
@@ -190,26 +188,18 @@ fn check_counter(run: &Run) -> Outcome {
     }
 }
 
-/// Writes the picture beside its place and then moves it there.
+/// Writes the picture, whole or not at all.
 fn write_png(path: &Path, run: &Run) -> Outcome {
-    let failed = |error: &dyn std::fmt::Display| {
+    let failed = |error: png::EncodingError| {
         Failure::input(format!("{} cannot be written: {error}", path.display()))
     };
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    let mut file = tempfile::Builder::new()
-        .permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644))
-        .tempfile_in(folder)
-        .map_err(|e| failed(&e))?;
     let (width, height) = (run.report.width.into(), run.report.height.into());
-    let mut encoder = png::Encoder::new(BufWriter::new(&mut file), width, height);
-    encoder.set_color(png::ColorType::Rgb);
     let pixels: Vec<u8> = run.words.iter().flat_map(|w| panel::rgb888(*w)).collect();
-    let mut writer = encoder.write_header().map_err(|e| failed(&e))?;
-    writer.write_image_data(&pixels).map_err(|e| failed(&e))?;
-    writer.finish().map_err(|e| failed(&e))?;
-    file.persist(path).map_err(|e| failed(&e.error))?;
-    Ok(())
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().map_err(failed)?;
+    writer.write_image_data(&pixels).map_err(failed)?;
+    writer.finish().map_err(failed)?;
+    blob_file::replace(path, &bytes)
 }
