@@ -108,6 +108,12 @@ pub fn ask(
         .ok()
         .and_then(Exit::from_code)
         .ok_or_else(|| broken(format!("the emulator ended with {code}")))?;
+    if matches!(exit, Exit::Panic | Exit::Fault) {
+        // Whatever it had written before, its last words come last.
+        let last = record.report.rfind("exit=").unwrap_or(0);
+        let message = Report::parse(&record.report[last..]).map(|report| report.message);
+        return Err(broken(format!("{exit}: {}", message.unwrap_or_default())));
+    }
     let report = match Report::parse(&record.report) {
         Ok(report) if report.exit == exit => report,
         Ok(_) => {

@@ -52,7 +52,23 @@ pub fn firmware() -> &'static Firmware {
 /// # Panics
 /// When something is missing on this machine: a test that did not run has not passed.
 pub fn ask(line: &str, model: Option<&[u8]>) -> Outcome<Run> {
-    let result = device::ask(firmware(), model, line, TIMEOUT);
+    ask_of(firmware(), line, model, TIMEOUT)
+}
+
+/// Runs a firmware on a line of text.
+///
+/// # Errors
+/// Those of [`device::ask`].
+///
+/// # Panics
+/// When something is missing on this machine.
+pub fn ask_of(
+    firmware: &Firmware,
+    line: &str,
+    model: Option<&[u8]>,
+    timeout: Duration,
+) -> Outcome<Run> {
+    let result = device::ask(firmware, model, line, timeout);
     if let Err(failure) = &result {
         assert!(
             failure.exit != host_tools::failure::Exit::Missing,

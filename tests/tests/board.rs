@@ -1,9 +1,6 @@
 //! The emulated board from end to end: a line of text in, a picture on the panel's wire out.
 
-use std::time::Duration;
-
 use host_tools::blob_file::BlobFile;
-use host_tools::device;
 use host_tools::failure::Exit as Code;
 use host_tools::render;
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
@@ -168,19 +165,6 @@ fn a_picture_larger_than_the_panel_is_told_on_it() {
     };
     let line = request(&view, Mode::default()).line();
     refused(&line, None, Exit::Request, "240 x 320");
-}
-
-#[test]
-fn a_device_that_takes_too_long_is_ended() {
-    let failure = device::run(
-        firmware(),
-        None,
-        &Request::TestCard,
-        Duration::from_millis(1),
-    )
-    .unwrap_err();
-    assert_eq!(failure.exit, Code::Device);
-    assert!(failure.message.contains("timed out"), "{failure}");
 }
 
 #[test]

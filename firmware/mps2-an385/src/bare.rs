@@ -5,9 +5,8 @@
     reason = "the one module that touches the machine; every block cites what makes it sound"
 )]
 
-use core::arch::asm;
+use core::arch::{asm, naked_asm};
 
-use cortex_m_rt::{ExceptionFrame, exception};
 use rho_viewer::count::PROBES;
 use rho_viewer::report::Exit;
 
@@ -18,6 +17,13 @@ const MODEL_BYTES: usize = 16 << 20;
 
 /// What cortex-m-rt paints the stack with before `main`.
 const PAINT: u32 = 0xCCCC_CCCC;
+
+unsafe extern "C" {
+    /// The top of the stack's memory, by board.x. Only its address means something.
+    static _stack_start: u32;
+    /// The bottom of the stack's memory, by board.x. Only its address means something.
+    static _stack_end: u32;
+}
 
 /// A 32-bit device register.
 #[derive(Clone, Copy)]
@@ -69,10 +75,6 @@ pub(crate) fn model() -> &'static [u8] {
 
 /// How deep the stack has been, in bytes.
 pub(crate) fn stack_used() -> u32 {
-    unsafe extern "C" {
-        static _stack_start: u32;
-        static _stack_end: u32;
-    }
     let (top, bottom) = (&raw const _stack_start, &raw const _stack_end);
     let mut word = bottom;
     // SAFETY: the linker places both symbols at the ends of the stack's memory (board.x),
@@ -159,9 +161,36 @@ pub(crate) fn counted_code() -> [(u32, (u32, u32)); PROBES] {
     ]
 }
 
+/// What the processor runs on a fault: takes the stack pointer and the address at fault, and goes
+/// on with a fresh stack, since the fault may be that there was none left.
+///
+/// # Safety
+/// Called by the processor only.
+#[unsafe(naked)]
+// SAFETY: the vector table of cortex-m-rt takes the fault handler by this name.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn HardFault() -> ! {
+    naked_asm!(
+        "mov r0, sp",
+        // The exception frame: r0 to r3, r12, lr, then the address.
+        "ldr r1, [sp, #24]",
+        "ldr r2, =_stack_start",
+        "mov sp, r2",
+        "b {fault}",
+        fault = sym fault,
+    )
+}
+
 /// Ends the emulator: a fault is never waited out.
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    defmt::error!("fault at {=u32:#010x}", frame.pc());
-    crate::exit(Exit::Fault)
+extern "C" fn fault(stack: u32, address: u32) -> ! {
+    let bottom = (&raw const _stack_end).addr() as u32;
+    if stack < bottom {
+        let beyond = bottom - stack;
+        crate::broken(
+            Exit::Fault,
+            format_args!("the stack overflowed by {beyond} bytes"),
+        )
+    } else {
+        crate::broken(Exit::Fault, format_args!("at {address:#010x}"))
+    }
 }
