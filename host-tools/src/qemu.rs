@@ -103,7 +103,12 @@ pub fn run(job: &Job<'_>) -> Outcome<Record> {
     Ok(Record {
         exit_code: status.code(),
         log: fs::read(at("log")).unwrap_or_default(),
-        complaints: text("complaints"),
+        // The board's network chip is not connected, which is meant.
+        complaints: text("complaints")
+            .lines()
+            .filter(|line| !line.ends_with("has no peer"))
+            .map(|line| format!("{line}\n"))
+            .collect(),
         report: text("report"),
         wires: text("wires"),
     })

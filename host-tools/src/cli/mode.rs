@@ -19,7 +19,7 @@ pub struct ModeArgs {
     #[arg(long, value_name = "NAME")]
     reciprocal: Option<ReciprocalMode>,
     /// A cell at most this large on the screen is drawn from its own sample
-    #[arg(long, value_name = "PX", value_parser = pixel_size)]
+    #[arg(long, value_name = "PX", value_parser = pixel_size, allow_hyphen_values = true)]
     cell_size: Option<PixelSize>,
 }
 
@@ -28,7 +28,7 @@ fn pixel_size(text: &str) -> Result<PixelSize, String> {
     text.parse::<f64>()
         .ok()
         .filter(|size| size.is_finite())
-        .and_then(|size| size.checked_to_fixed())
+        .and_then(f64::checked_to_fixed)
         .ok_or_else(|| format!("expected 0 to {} pixels, such as 0.5", PixelSize::MAX))
 }
 
