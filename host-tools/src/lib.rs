@@ -3,6 +3,8 @@
 
 pub mod blob_file;
 pub mod cli;
+pub mod compare;
+pub mod depth;
 pub mod device;
 pub mod encode;
 pub mod failure;
@@ -12,8 +14,12 @@ pub mod mesh;
 pub mod model;
 pub mod palette;
 pub mod panel;
+pub mod picture;
 pub mod qemu;
 pub mod quantise;
+pub mod reference;
 pub mod render;
+pub mod replace;
 pub mod sampling;
+pub mod source;
 pub mod view;

@@ -132,14 +132,6 @@ impl Panel {
     }
 }
 
-/// RGB565 as three bytes, by repeating the high bits in the low ones.
-#[must_use]
-pub fn rgb888(word: u16) -> [u8; 3] {
-    let five = |v: u16| (v << 3 | v >> 2) as u8;
-    let six = |v: u16| (v << 2 | v >> 4) as u8;
-    [five(word >> 11), six(word >> 5 & 0x3F), five(word & 0x1F)]
-}
-
 /// The upper left `width` x `height` words of a picture of a whole panel.
 #[must_use]
 pub fn crop(words: &[u16], width: u16, height: u16) -> Vec<u16> {
@@ -252,12 +244,6 @@ mod tests {
         assert_eq!(panel.faults().len(), 1);
         assert!(panel.faults()[0].contains("not selected"));
         assert!(panel.faults()[0].contains('2'), "told once, with the count");
-    }
-
-    #[test]
-    fn colours_expand_by_repeating_their_high_bits() {
-        assert_eq!(rgb888(0xFFFF), [255, 255, 255]);
-        assert_eq!(rgb888(0x8410), [0x84, 0x82, 0x84]);
     }
 
     #[test]

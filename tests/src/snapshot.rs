@@ -10,7 +10,7 @@ use embedded_graphics::Pixel;
 use embedded_graphics::geometry::{OriginDimensions, Point, Size};
 use embedded_graphics::pixelcolor::Rgb888;
 use embedded_graphics_simulator::{OutputSettings, SimulatorDisplay};
-use host_tools::panel::rgb888;
+use host_tools::picture::rgb888;
 
 /// Compares RGB565 words, `width` a row, with `snapshots/NAME.png`.
 ///

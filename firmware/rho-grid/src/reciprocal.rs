@@ -9,6 +9,8 @@
 //!
 //! exact by UDIV, and by the table after one correction, which a test proves for every n.
 
+use core::num::NonZeroU32;
+
 /// How a core finds the reciprocal; the renderer is compiled for one.
 pub trait Reciprocal {
     /// `floor((2^32 - 1) / n)` for n in 32768..=65535.
@@ -26,8 +28,11 @@ pub struct Table;
 impl Reciprocal for Divide {
     #[inline(always)]
     fn of(n: u32) -> u32 {
-        // n is never 0; max(1) tells the compiler.
-        u32::MAX / n.max(1)
+        // The top bit is set already; saying so spares a test for 0.
+        match NonZeroU32::new(n | 1 << 15) {
+            Some(n) => u32::MAX / n,
+            None => 0,
+        }
     }
 }
 

@@ -4,7 +4,9 @@ use clap::{Parser, Subcommand};
 
 use crate::failure::Outcome;
 
+pub mod compare;
 pub mod mode;
+pub mod reference;
 pub mod run;
 
 /// Bakes 3D models for a microcontroller's flash and draws them with its code
@@ -23,6 +25,8 @@ pub struct Rho {
 #[derive(Subcommand, Debug)]
 enum Command {
     Run(Box<run::RunArgs>),
+    Reference(reference::Reference),
+    Compare(compare::Compare),
 }
 
 impl Rho {
@@ -33,6 +37,8 @@ impl Rho {
     pub fn run(self) -> Outcome {
         match self.command {
             Command::Run(args) => args.run(),
+            Command::Reference(command) => command.run(),
+            Command::Compare(command) => command.run(),
         }
     }
 }

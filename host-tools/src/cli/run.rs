@@ -8,18 +8,18 @@ use rho_viewer::count::Phase;
 use rho_viewer::request::{Request, Scene};
 use serde_json::json;
 
-use crate::blob_file::{self, BlobFile};
+use crate::blob_file::BlobFile;
 use crate::cli::mode::ModeArgs;
 use crate::device::{self, Run};
 use crate::failure::{Failure, Outcome};
 use crate::firmware::Firmware;
-use crate::panel;
+use crate::picture::Picture;
 use crate::render;
 use crate::view::ViewArgs;
 
 /// What to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Picture {
+enum Subject {
     /// The model
     Model,
     /// Colours, gradients and corner marks: the first image on a new board
@@ -38,8 +38,8 @@ pub struct RunArgs {
     #[arg(short, long, value_name = "F.png")]
     output: Option<PathBuf>,
     /// What to draw
-    #[arg(long, value_enum, default_value_t = Picture::Model)]
-    picture: Picture,
+    #[arg(long, value_enum, default_value_t = Subject::Model)]
+    picture: Subject,
     /// The firmware's image; without it, it is built from the workspace in this folder
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
@@ -74,7 +74,7 @@ impl RunArgs {
     pub fn run(&self) -> Outcome {
         let request = self.request()?;
         let model = match &self.model {
-            None if self.picture == Picture::Model => {
+            None if self.picture == Subject::Model => {
                 return Err(Failure::input("there is no model to draw")
                     .help("name a baked one, or draw the test card: --picture test-card"));
             }
@@ -99,7 +99,8 @@ impl RunArgs {
         }
         let run = run.done()?;
         if let Some(output) = &self.output {
-            write_png(output, &run)?;
+            let (width, height) = (run.report.width.into(), run.report.height.into());
+            Picture::from_rgb565(width, height, &run.words).write(output)?;
         }
         if self.json {
             println!("{}", self.object(&request, &firmware, model, &run));
@@ -111,9 +112,9 @@ impl RunArgs {
 
     fn request(&self) -> Outcome<Request> {
         Ok(match self.picture {
-            Picture::TestCard => Request::TestCard,
-            Picture::CountLoop => Request::CountLoop,
-            Picture::Model => Request::Model(Scene {
+            Subject::TestCard => Request::TestCard,
+            Subject::CountLoop => Request::CountLoop,
+            Subject::Model => Request::Model(Scene {
                 camera: self.view.view().camera()?,
                 light: render::light(self.view.light()),
                 mode: self.mode.mode(),
@@ -186,20 +187,4 @@ fn check_counter(run: &Run) -> Outcome {
             probe.counted, probe.expected
         ))),
     }
-}
-
-/// Writes the picture, whole or not at all.
-fn write_png(path: &Path, run: &Run) -> Outcome {
-    let failed = |error: png::EncodingError| {
-        Failure::input(format!("{} cannot be written: {error}", path.display()))
-    };
-    let (width, height) = (run.report.width.into(), run.report.height.into());
-    let pixels: Vec<u8> = run.words.iter().flat_map(|w| panel::rgb888(*w)).collect();
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    let mut writer = encoder.write_header().map_err(failed)?;
-    writer.write_image_data(&pixels).map_err(failed)?;
-    writer.finish().map_err(failed)?;
-    blob_file::replace(path, &bytes)
 }

@@ -1,9 +1,10 @@
 //! PLY, ascii and binary of either byte order.
 //!
-//! The header is read by ply-rs-bw. The payload is decoded here: each number is placed in its
-//! slot by a table made once from the header, which is several times as fast as a call by name
-//! for each property, and an error can name the byte or the line. The tests hold it against
-//! ply-rs-bw's own payload reader.
+//! The header is read by ply-rs-bw. The payload is decoded here, for the sake of messages and
+//! of odd files rather than of speed (both take about 80 ms for 871,414 triangles): a fault is
+//! named with its byte or line, ascii numbers such as `.5` and `1.` and empty lines are read,
+//! and a claimed count is held against the bytes that follow before anything is allocated. The
+//! tests hold it against ply-rs-bw's own payload reader.
 
 use std::io::Cursor;
 

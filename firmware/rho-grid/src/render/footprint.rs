@@ -13,9 +13,16 @@ pub struct Pixels {
 }
 
 /// A rule that chooses pixels.
-pub trait Footprint {
-    /// The pixels that a cell of these bounds colours when it is drawn from its sample.
-    fn cover(bounds: Bounds) -> Pixels;
+///
+/// Cells of the same extent are asked about together: what follows from the extent alone is in
+/// the rule's own type, made once.
+pub trait Footprint: Copy {
+    /// For cells of this half extent along x and y, Q8.
+    fn of(half_x: i32, half_y: i32) -> Self;
+
+    /// The pixels that a cell colours when it is drawn from its sample; x and y are its centre,
+    /// Q8.
+    fn cover(self, x: i32, y: i32) -> Pixels;
 
     /// Pixels of which a sample in or below a cell of these bounds may colour none other.
     fn reach(bounds: Bounds) -> Pixels;
@@ -25,21 +32,15 @@ pub trait Footprint {
 #[derive(Clone, Copy, Debug)]
 pub struct Point;
 
-/// A square round the centre, as large as the cell's larger extent in whole pixels.
-#[derive(Clone, Copy, Debug)]
-pub struct Splat;
-
-/// Every pixel whose centre the bounds hold.
-///
-/// A ray through a pixel's centre that meets the surface passes through a leaf, whose bounds hold
-/// that centre: no holes, whatever the level drawn.
-#[derive(Clone, Copy, Debug)]
-pub struct PixelCentre;
-
 impl Footprint for Point {
     #[inline(always)]
-    fn cover(b: Bounds) -> Pixels {
-        let (x, y) = (b.x >> 8, b.y >> 8);
+    fn of(_: i32, _: i32) -> Self {
+        Self
+    }
+
+    #[inline(always)]
+    fn cover(self, x: i32, y: i32) -> Pixels {
+        let (x, y) = (x >> 8, y >> 8);
         Pixels {
             x: (x, x),
             y: (y, y),
@@ -55,16 +56,28 @@ impl Footprint for Point {
     }
 }
 
+/// A square round the centre, as large as the cell's larger extent in whole pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Splat {
+    /// Pixels.
+    side: i32,
+}
+
 impl Footprint for Splat {
     #[inline(always)]
-    fn cover(b: Bounds) -> Pixels {
-        // Side in pixels, rounded up.
-        let side = (b.half_x.max(b.half_y) + 127) >> 7;
-        let first = |centre: i32| (centre - (side << 7) + 128) >> 8;
-        let (x, y) = (first(b.x), first(b.y));
+    fn of(half_x: i32, half_y: i32) -> Self {
+        Self {
+            side: (half_x.max(half_y) + 127) >> 7,
+        }
+    }
+
+    #[inline(always)]
+    fn cover(self, x: i32, y: i32) -> Pixels {
+        let first = |centre: i32| (centre - (self.side << 7) + 128) >> 8;
+        let (x, y) = (first(x), first(y));
         Pixels {
-            x: (x, x + side - 1),
-            y: (y, y + side - 1),
+            x: (x, x + self.side - 1),
+            y: (y, y + self.side - 1),
         }
     }
 
@@ -79,19 +92,32 @@ impl Footprint for Splat {
     }
 }
 
-impl PixelCentre {
-    #[inline(always)]
-    fn along(centre: i32, half: i32) -> (i32, i32) {
-        ((centre - half + 127) >> 8, (centre + half - 128) >> 8)
-    }
+/// Every pixel whose centre the bounds hold.
+///
+/// A ray through a pixel's centre that meets the surface passes through a leaf, whose bounds hold
+/// that centre: no holes, whatever the level drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelCentre {
+    /// Added to the centre: to the first and the last pixel centre, before rounding down.
+    x: (i32, i32),
+    y: (i32, i32),
 }
 
 impl Footprint for PixelCentre {
     #[inline(always)]
-    fn cover(b: Bounds) -> Pixels {
+    fn of(half_x: i32, half_y: i32) -> Self {
+        let ends = |half: i32| (127 - half, half - 128);
+        Self {
+            x: ends(half_x),
+            y: ends(half_y),
+        }
+    }
+
+    #[inline(always)]
+    fn cover(self, x: i32, y: i32) -> Pixels {
         Pixels {
-            x: Self::along(b.x, b.half_x),
-            y: Self::along(b.y, b.half_y),
+            x: ((x + self.x.0) >> 8, (x + self.x.1) >> 8),
+            y: ((y + self.y.0) >> 8, (y + self.y.1) >> 8),
         }
     }
 
@@ -99,10 +125,7 @@ impl Footprint for PixelCentre {
     fn reach(b: Bounds) -> Pixels {
         // The bounds of subcells are wider than exact by their slack; so are these, and by more.
         let wider = |half: i32| half + (half >> 6) + 8;
-        Pixels {
-            x: Self::along(b.x, wider(b.half_x)),
-            y: Self::along(b.y, wider(b.half_y)),
-        }
+        Self::of(wider(b.half_x), wider(b.half_y)).cover(b.x, b.y)
     }
 }
 
@@ -110,34 +133,29 @@ impl Footprint for PixelCentre {
 mod tests {
     use super::*;
 
-    fn bounds(x: i32, half: i32) -> Bounds {
-        Bounds {
-            x,
-            y: x,
-            half_x: half,
-            half_y: half,
-        }
+    fn along_x<F: Footprint>(x: i32, half: i32) -> (i32, i32) {
+        F::of(half, half).cover(x, x).x
     }
 
     #[test]
     fn pixel_centres_on_the_edge_of_the_bounds_belong_to_them() {
         // From 0.5 to 2.5 pixels: the centres of pixels 0, 1 and 2.
-        assert_eq!(PixelCentre::cover(bounds(384, 256)).x, (0, 2));
+        assert_eq!(along_x::<PixelCentre>(384, 256), (0, 2));
         // A step less on each side: only pixel 1.
-        assert_eq!(PixelCentre::cover(bounds(384, 255)).x, (1, 1));
+        assert_eq!(along_x::<PixelCentre>(384, 255), (1, 1));
         // Between two centres: none.
-        assert_eq!(PixelCentre::cover(bounds(256, 100)).x, (1, 0));
+        assert_eq!(along_x::<PixelCentre>(256, 100), (1, 0));
     }
 
     #[test]
     fn a_splat_is_centred_and_as_large_as_the_cell() {
-        assert_eq!(Splat::cover(bounds(128, 100)).x, (0, 0));
-        assert_eq!(Splat::cover(bounds(256, 129)).x, (0, 1));
-        assert_eq!(Splat::cover(bounds(-128, 300)).x, (-2, 0));
+        assert_eq!(along_x::<Splat>(128, 100), (0, 0));
+        assert_eq!(along_x::<Splat>(256, 129), (0, 1));
+        assert_eq!(along_x::<Splat>(-128, 300), (-2, 0));
     }
 
     #[test]
-    fn a_point_is_one_pixel_left_of_the_axis_too() {
-        assert_eq!(Point::cover(bounds(-1, 500)).x, (-1, -1));
+    fn a_point_is_one_pixel_left_of_the_edge_too() {
+        assert_eq!(along_x::<Point>(-1, 500), (-1, -1));
     }
 }

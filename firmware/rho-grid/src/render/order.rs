@@ -7,82 +7,138 @@
 //! octant).
 
 /// Most subcells of a cell: rho = 5.
-pub(super) const MAX_SUBCELLS: usize = 125;
+const MAX_SUBCELLS: usize = 125;
 
-/// `AXIS[rho][eye's slab]`: the slabs of an axis, from the eye's outwards.
+/// Subcells in order.
+pub(super) type List = [u8; MAX_SUBCELLS];
+
+/// The slabs of an axis divided by rho, from the eye's outwards.
 #[allow(
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, where an index out of range is an error"
 )]
-static AXIS: [[[u8; 5]; 5]; 6] = {
-    let mut axis = [[[0; 5]; 5]; 6];
-    let mut rho = 2;
-    while rho <= 5 {
+const fn outwards(rho: usize, eye: usize) -> [u8; 5] {
+    let mut slabs = [0; 5];
+    let mut at = 0;
+    while at < rho {
+        // eye, eye - 1, ... 0, then eye + 1, ...
+        slabs[at] = if at <= eye { eye - at } else { at } as u8;
+        at += 1;
+    }
+    slabs
+}
+
+/// `SLABS[eye's slab]` for one rho.
+struct Axis<const RHO: usize>;
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+impl<const RHO: usize> Axis<RHO> {
+    const SLABS: [[u8; 5]; 5] = {
+        let mut slabs = [[0; 5]; 5];
         let mut eye = 0;
-        while eye < rho {
-            let mut at = 0;
-            let mut slab = eye as i32;
-            while slab >= 0 {
-                axis[rho][eye][at] = slab as u8;
-                at += 1;
-                slab -= 1;
-            }
-            let mut slab = eye + 1;
-            while slab < rho {
-                axis[rho][eye][at] = slab as u8;
-                at += 1;
-                slab += 1;
+        while eye < RHO {
+            slabs[eye] = outwards(RHO, eye);
+            eye += 1;
+        }
+        slabs
+    };
+
+    /// `ROWS[eye's slab][bits of a row]`: the subcells of the row in order, and how many.
+    const ROWS: [[([u8; 5], u8); 32]; 5] = {
+        let mut rows = [[([0; 5], 0); 32]; 5];
+        let mut eye = 0;
+        while eye < RHO {
+            let order = outwards(RHO, eye);
+            let mut bits = 0;
+            while bits < 1 << RHO {
+                let mut at = 0;
+                while at < RHO {
+                    let row = &mut rows[eye][bits];
+                    if bits >> order[at] & 1 == 1 {
+                        row.0[row.1 as usize] = order[at];
+                        row.1 += 1;
+                    }
+                    at += 1;
+                }
+                bits += 1;
             }
             eye += 1;
         }
-        rho += 1;
-    }
-    axis
-};
-
-/// The slabs of an axis divided by `RHO`, from `eye` (clamped to it) outwards.
-#[inline(always)]
-fn slabs<const RHO: usize>(eye: i32) -> &'static [u8] {
-    let eye = eye.clamp(0, RHO as i32 - 1) as usize;
-    AXIS.get(RHO)
-        .and_then(|a| a.get(eye))
-        .and_then(|a| a.get(..RHO))
-        .unwrap_or_default()
+        rows
+    };
 }
 
-/// Lists the subcells in `mask` from front to back; `eye` is the eye's slab along each axis,
-/// any number below 0 or beyond RHO - 1 when it is outside. Returns how many there are.
-#[inline(always)]
-pub(super) fn list<const RHO: usize>(
-    mask: &[u32; 4],
-    eye: [i32; 3],
-    list: &mut [u8; MAX_SUBCELLS],
-) -> usize {
-    let [ex, ey, ez] = eye;
-    let (along_x, along_y, along_z) = (slabs::<RHO>(ex), slabs::<RHO>(ey), slabs::<RHO>(ez));
-    let mut count = 0;
-    for &k in along_z {
-        let plane = plane::<RHO>(mask, usize::from(k));
-        if plane == 0 {
-            continue;
+/// The order of a cell's subcells for one place of the eye.
+#[derive(Clone, Copy)]
+pub(super) struct Order<const RHO: usize> {
+    rows: &'static [([u8; 5], u8); 32],
+    along_y: &'static [u8; 5],
+    along_z: &'static [u8; 5],
+}
+
+impl<const RHO: usize> Order<RHO> {
+    /// `eye` is the eye's slab along each axis, any number below 0 or beyond RHO - 1 when it is
+    /// outside.
+    #[inline(always)]
+    pub(super) fn new(eye: [i32; 3]) -> Self {
+        let [x, y, z] = eye.map(|e| e.clamp(0, RHO as i32 - 1) as usize);
+        let slabs = |eye: usize| Axis::<RHO>::SLABS.get(eye).unwrap_or(&[0; 5]);
+        Self {
+            rows: Axis::<RHO>::ROWS.get(x).unwrap_or(&[([0; 5], 0); 32]),
+            along_y: slabs(y),
+            along_z: slabs(z),
         }
-        for &j in along_y {
-            let row = plane >> (RHO * usize::from(j)) & ((1 << RHO) - 1);
-            if row == 0 {
-                continue;
-            }
-            let first = RHO as u8 * (j + RHO as u8 * k);
-            for &i in along_x {
-                if row >> i & 1 != 0
-                    && let Some(entry) = list.get_mut(count)
-                {
-                    *entry = first + i;
-                    count += 1;
+    }
+
+    /// The slabs along z that are not empty, and their bits.
+    #[inline(always)]
+    pub(super) fn planes(self, mask: &[u32; 4]) -> impl Iterator<Item = (u8, u32)> {
+        let plane = |k: &u8| (*k, plane::<RHO>(mask, usize::from(*k)));
+        self.along_z
+            .iter()
+            .take(RHO)
+            .map(plane)
+            .filter(|(_, plane)| *plane != 0)
+    }
+
+    /// The rows of a slab that are not empty, and their bits.
+    #[inline(always)]
+    pub(super) fn rows(self, plane: u32) -> impl Iterator<Item = (u8, u32)> {
+        let row = move |j: &u8| (*j, plane >> (RHO * usize::from(*j)) & ((1 << RHO) - 1));
+        self.along_y
+            .iter()
+            .take(RHO)
+            .map(row)
+            .filter(|(_, row)| *row != 0)
+    }
+
+    /// The subcells of a row.
+    #[inline(always)]
+    pub(super) fn cells(self, row: u32) -> &'static [u8] {
+        let (cells, count) = self.rows.get(row as usize).unwrap_or(&([0; 5], 0));
+        cells.get(..usize::from(*count)).unwrap_or_default()
+    }
+
+    /// Lists all subcells in `mask`; returns how many there are.
+    #[inline(always)]
+    pub(super) fn list(self, mask: &[u32; 4], list: &mut List) -> usize {
+        let mut count = 0;
+        for (k, plane) in self.planes(mask) {
+            for (j, row) in self.rows(plane) {
+                let first = RHO as u8 * (j + RHO as u8 * k);
+                for i in self.cells(row) {
+                    if let Some(entry) = list.get_mut(count) {
+                        *entry = first + i;
+                        count += 1;
+                    }
                 }
             }
         }
+        count
     }
-    count
 }
 
 /// The bits of slab `k` along z.
@@ -101,12 +157,9 @@ fn plane<const RHO: usize>(mask: &[u32; 4], k: usize) -> u32 {
 
 /// How many subcells in `mask` come before `subcell` in the numbering of children.
 #[inline(always)]
-pub(super) fn rank<const RHO: usize>(mask: &[u32; 4], subcell: u8) -> u32 {
+pub(super) fn rank(mask: &[u32; 4], subcell: u8) -> u32 {
     let below = (1u32 << (subcell % 32)) - 1;
     let [a, b, c, d] = *mask;
-    if RHO <= 3 {
-        return (a & below).count_ones();
-    }
     match subcell / 32 {
         0 => (a & below).count_ones(),
         1 => a.count_ones() + (b & below).count_ones(),
@@ -115,12 +168,33 @@ pub(super) fn rank<const RHO: usize>(mask: &[u32; 4], subcell: u8) -> u32 {
     }
 }
 
+/// `PLACES[rho - 2][subcell]`: x, y, z.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+static PLACES: [[[u8; 3]; MAX_SUBCELLS]; 4] = {
+    let mut places = [[[0; 3]; MAX_SUBCELLS]; 4];
+    let mut rho = 2;
+    while rho <= 5 {
+        let mut n = 0;
+        while n < rho * rho * rho {
+            let xyz = [n % rho, n / rho % rho, n / (rho * rho)];
+            places[rho - 2][n] = [xyz[0] as u8, xyz[1] as u8, xyz[2] as u8];
+            n += 1;
+        }
+        rho += 1;
+    }
+    places
+};
+
 /// `(x, y, z)` of a subcell's number.
 #[inline(always)]
 pub(super) fn place(rho: u8, subcell: u8) -> [i32; 3] {
-    let rho = i32::from(rho).max(1);
-    let n = i32::from(subcell);
-    [n % rho, n / rho % rho, n / (rho * rho)]
+    PLACES
+        .get(usize::from(rho).wrapping_sub(2))
+        .and_then(|places| places.get(usize::from(subcell)))
+        .map_or([0; 3], |place| place.map(i32::from))
 }
 
 #[cfg(test)]
@@ -134,14 +208,14 @@ mod tests {
         let mask = mask & (u128::MAX >> (128 - cells));
         let words = [0, 32, 64, 96].map(|s| (mask >> s) as u32);
         let mut entries = [0; MAX_SUBCELLS];
-        let count = list::<RHO>(&words, eye, &mut entries);
+        let count = Order::<RHO>::new(eye).list(&words, &mut entries);
         assert_eq!(count as u32, mask.count_ones());
         let listed = &entries[..count];
         let inside = eye.map(|e| e.clamp(0, RHO as i32 - 1));
         let between = |a: i32, b: i32, eye: i32| (eye <= a && a <= b) || (b <= a && a <= eye);
         for (at, n) in listed.iter().enumerate() {
             assert!(mask >> n & 1 == 1, "only cells of the mask");
-            let rank_here = rank::<RHO>(&words, *n);
+            let rank_here = rank(&words, *n);
             assert_eq!(rank_here, (mask & ((1 << n) - 1)).count_ones());
             // Nothing that could hide it comes later.
             let me = place(RHO as u8, *n);

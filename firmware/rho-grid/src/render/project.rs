@@ -62,6 +62,17 @@ impl OverW {
     pub(super) fn times(self, v: i32) -> i32 {
         (((i64::from(v) * i64::from(self.factor)) >> 32) as i32) >> self.shift
     }
+
+    /// v / W in Q16, rounded down; of lengths below 2^14 pixels.
+    #[inline(always)]
+    pub(super) fn times_q16(self, v: i32) -> i32 {
+        let high = ((i64::from(v) * i64::from(self.factor)) >> 32) as i32;
+        if self.shift >= 8 {
+            high >> (self.shift - 8)
+        } else {
+            high << (8 - self.shift)
+        }
+    }
 }
 
 /// How far [`OverW::times`] may be off, in Q8, for results of magnitude `reach` (Q8).

@@ -6,19 +6,20 @@
 //!   bounds on the screen; beyond the frame, or all that it reaches is covered: leave it
 //!   a leaf, or small enough: draw its sample
 //!   else open it
-//! a cell whose subcells are all drawn is not opened: they are drawn in one loop
+//! a cell whose grandchildren are all drawn is a block: they are drawn in one loop
 //! ```
 //!
 //! It is the paper's recursive Render (sections 5.1, 5.2) with a stack of its own, bounded by the
 //! number of subdivisions, in the order of [`super::order`]. Departures: the extent is bounded a
-//! parent, not a cell, and exactly ([`View::half`]); cells that come too near to the eye to be
+//! parent, not a cell, and exactly ([`View::half`]); within a block the leaves stand at affine
+//! steps from their parents, with a bound on the error ([`View::steps`]); cells that come too near to the eye to be
 //! projected (a division by next to nothing) are bounded by interval arithmetic instead, so that
 //! nothing overflows and nothing in view is lost.
 
 use super::footprint::{Footprint, Pixels};
-use super::order::{self, MAX_SUBCELLS};
+use super::order::{self, List, Order};
 use super::project::{Bounds, Homogeneous, OverW};
-use super::view::{Half, LevelView, View};
+use super::view::{Half, LevelView, Step, Steps, View};
 use super::visibility::{Rect, Visibility};
 use crate::blob::format::MAX_SUBDIVISIONS;
 use crate::blob::{Grid, Level};
@@ -36,7 +37,7 @@ struct Open {
     first_child: u32,
     /// Half extents of its children, or `None` when they may be too near to be projected.
     half: Option<Half>,
-    list: [u8; MAX_SUBCELLS],
+    list: List,
     count: u8,
     next: u8,
 }
@@ -48,10 +49,18 @@ impl Open {
         mask: [0; 4],
         first_child: 0,
         half: None,
-        list: [0; MAX_SUBCELLS],
+        list: [0; size_of::<List>()],
         count: 0,
         next: 0,
     };
+
+    /// Lists the children of `node` in order; returns their mask.
+    #[inline(never)]
+    fn order<const RHO: usize>(&mut self, nodes: &Level<'_>, node: u32, eye: [i32; 3]) -> [u32; 4] {
+        let mask = nodes.mask::<RHO>(node);
+        self.count = Order::<RHO>::new(eye).list(&mask, &mut self.list) as u8;
+        mask
+    }
 }
 
 /// A cell to be opened or drawn.
@@ -89,7 +98,7 @@ pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
     .run::<F, R>();
 }
 
-impl<V: Visibility> Walk<'_, '_, V> {
+impl<'v, V: Visibility> Walk<'_, 'v, V> {
     fn run<F: Footprint, R: Reciprocal>(&mut self) {
         let mut stack = [Open::NONE; MAX_SUBDIVISIONS];
         let Some(root) = self.root::<R>() else {
@@ -142,7 +151,7 @@ impl<V: Visibility> Walk<'_, '_, V> {
         })
     }
 
-    /// Opens a cell, or draws all its subcells at once; whether there is now one more open.
+    /// Opens a cell, or draws all that is below it at once; whether there is now one more open.
     #[inline(always)]
     fn enter<F: Footprint, R: Reciprocal>(
         &mut self,
@@ -150,86 +159,152 @@ impl<V: Visibility> Walk<'_, '_, V> {
         level: usize,
         stack: &mut [Open; MAX_SUBDIVISIONS],
     ) -> bool {
-        let (Some(nodes), Some(slot)) = (self.grid.levels().get(level), stack.get_mut(level))
+        let (Some(nodes), Some(open)) = (self.grid.levels().get(level), stack.get_mut(level))
         else {
             return false;
         };
-        match nodes.rho {
-            2 => self.enter_rho::<F, R, 2>(cell, level, nodes, slot),
-            3 => self.enter_rho::<F, R, 3>(cell, level, nodes, slot),
-            4 => self.enter_rho::<F, R, 4>(cell, level, nodes, slot),
-            _ => self.enter_rho::<F, R, 5>(cell, level, nodes, slot),
-        }
-    }
-
-    fn enter_rho<F: Footprint, R: Reciprocal, const RHO: usize>(
-        &mut self,
-        cell: Cell,
-        level: usize,
-        nodes: &Level<'_>,
-        open: &mut Open,
-    ) -> bool {
         let children = self.level(level + 1);
+        let eye = self.eye_slab(children, cell.place, i32::from(nodes.rho));
+        open.mask = match nodes.rho {
+            2 => open.order::<2>(nodes, cell.node, eye),
+            3 => open.order::<3>(nodes, cell.node, eye),
+            4 => open.order::<4>(nodes, cell.node, eye),
+            _ => open.order::<5>(nodes, cell.node, eye),
+        };
         open.centre = cell.centre;
         open.place = cell.place;
-        open.mask = nodes.mask::<RHO>(cell.node);
         open.first_child = nodes.first_child(cell.node);
         open.next = 0;
-        let eye = if V::FRONT_TO_BACK {
-            let [ex, ey, ez] = children.eye;
-            let [px, py, pz] = cell.place.map(|p| p * RHO as i32);
-            [ex - px, ey - py, ez - pz]
-        } else {
-            [0; 3]
-        };
-        open.count = order::list::<RHO>(&open.mask, eye, &mut open.list) as u8;
 
-        let nearest = cell.centre.w - self.level(level).half.w;
-        if nearest < self.view.near {
-            open.half = None;
-            return true;
-        }
-        let axis = [
-            cell.bounds.x - (self.view.width << 7),
-            cell.bounds.y - (self.view.height << 7),
-        ];
         let own = Half {
             x: cell.bounds.half_x,
             y: cell.bounds.half_y,
         };
-        let half = self.view.half::<R>(children, axis, own, nearest);
-        let leaves = level + 1 == self.grid.subdivisions();
-        if leaves || children.stop_w <= nearest {
-            self.samples::<F, R, RHO>(open, half, level);
-            false
-        } else {
-            open.half = Some(half);
-            true
+        let (mx, my) = self.middle();
+        let axis = [cell.bounds.x - mx, cell.bounds.y - my];
+        let dw = self.level(level).half.w;
+        let nearest = cell.centre.w - dw;
+        open.half =
+            (nearest >= self.view.near).then(|| self.view.half::<R>(children, axis, own, nearest));
+
+        // A block: every child is opened, every grandchild is drawn.
+        let (Some(half), Some(below)) = (open.half, self.grid.levels().get(level + 1)) else {
+            return true;
+        };
+        let grandchildren = self.level(level + 2);
+        let drawn = level + 2 == self.grid.subdivisions() || grandchildren.stop_w <= nearest;
+        if !drawn || children.stop_w <= cell.centre.w + dw {
+            return true;
         }
+        let rho = i32::from(nodes.rho);
+        let Some(steps) = self.view.steps::<R>(
+            self.level(level),
+            grandchildren,
+            axis,
+            own,
+            cell.centre.w,
+            rho,
+        ) else {
+            return true;
+        };
+        match below.rho {
+            2 => self.block::<F, R, 2>(open, half, level, &steps),
+            3 => self.block::<F, R, 3>(open, half, level, &steps),
+            4 => self.block::<F, R, 4>(open, half, level, &steps),
+            _ => self.block::<F, R, 5>(open, half, level, &steps),
+        }
+        false
     }
 
-    /// Draws all subcells of a cell from their samples.
+    /// The eye's slab among the subcells of a cell at `place`, if the order matters.
     #[inline(always)]
-    fn samples<F: Footprint, R: Reciprocal, const RHO: usize>(
+    fn eye_slab(&self, children: &LevelView, place: [i32; 3], rho: i32) -> [i32; 3] {
+        if !V::FRONT_TO_BACK {
+            return [0; 3];
+        }
+        let [ex, ey, ez] = children.eye;
+        let [px, py, pz] = place;
+        [ex - px * rho, ey - py * rho, ez - pz * rho]
+    }
+
+    /// Draws the grandchildren of an open cell of `level`, whose children are divided by `RHO`.
+    ///
+    /// Each child is projected exactly; within it, the block's steps lead to its subcells.
+    fn block<F: Footprint, R: Reciprocal, const RHO: usize>(
         &mut self,
         open: &Open,
         half: Half,
         level: usize,
+        steps: &Steps,
     ) {
-        let displacements = self.view.displacements(self.level(level));
-        let first = self.first(level + 1) + open.first_child;
+        let Some([nodes, below]) = self
+            .grid
+            .levels()
+            .get(level..level + 2)
+            .and_then(|l| l.first_chunk())
+        else {
+            return;
+        };
+        let view = self.view;
+        let displacements = view.displacements(self.level(level));
+        let below_displacements = view.displacements(self.level(level + 1));
+        let grandchildren = self.level(level + 2);
+        let first = self.first(level + 2);
         let (grid, shading) = (self.grid, self.shading);
-        for &subcell in open.list.get(..usize::from(open.count)).unwrap_or_default() {
+        let (mx, my) = self.middle();
+        let rho = i32::from(nodes.rho);
+        let [ox, oy, oz] = open.place.map(|p| p * rho);
+
+        let footprint = F::of(steps.half.x, steps.half.y);
+        let slabs = steps.slabs::<RHO>();
+        for &subcell in open.list.iter().take(usize::from(open.count)) {
             let Some(d) = displacements.get(usize::from(subcell)) else {
                 continue;
             };
             let centre = open.centre.plus(*d);
             let (x, y) = self.on_screen::<R>(centre);
-            if let Some(rect) = self.clip(F::cover(self.bounds(x, y, half))) {
-                self.target.draw(rect, centre.w, || {
-                    let node = first + order::rank::<RHO>(&open.mask, subcell);
-                    shading.colour(grid.attribute(node))
-                });
+            let (x, y) = (x + mx, y + my);
+            let bounds = Bounds {
+                x,
+                y,
+                half_x: half.x,
+                half_y: half.y,
+            };
+            let Some(rect) = self.clip(F::reach(bounds)) else {
+                continue;
+            };
+            if self.target.is_hidden(rect) {
+                continue;
+            }
+            let node = open.first_child + order::rank(&open.mask, subcell);
+            let [i, j, k] = order::place(nodes.rho, subcell);
+            let eye = self.eye_slab(grandchildren, [ox + i, oy + j, oz + k], RHO as i32);
+            let order = Order::<RHO>::new(eye);
+            let mask = below.mask::<RHO>(node);
+            let first = first + below.first_child(node);
+            let centre_w = centre.w;
+            let from = Step {
+                x: x << 8,
+                y: y << 8,
+            };
+            for (k, plane) in order.planes(&mask) {
+                let from = from.plus(slabs.z(k));
+                for (j, row) in order.rows(plane) {
+                    let from = from.plus(slabs.y(j));
+                    let subcells = RHO as u8 * (j + RHO as u8 * k);
+                    for &i in order.cells(row) {
+                        let at = from.plus(slabs.x(i));
+                        let Some(rect) = self.clip(footprint.cover(at.x >> 8, at.y >> 8)) else {
+                            continue;
+                        };
+                        let subcell = subcells + i;
+                        let d = below_displacements.get(usize::from(subcell));
+                        let w = centre_w + d.map_or(0, |d| d.w);
+                        self.target.draw(rect, w, || {
+                            shading.colour(grid.attribute(first + order::rank(&mask, subcell)))
+                        });
+                    }
+                }
             }
         }
     }
@@ -255,12 +330,7 @@ impl<V: Visibility> Walk<'_, '_, V> {
         };
         let reach = self.clip(F::reach(bounds))?;
         let rho = self.grid.levels().get(level)?.rho;
-        let rank = match rho {
-            2 => order::rank::<2>(&parent.mask, subcell),
-            3 => order::rank::<3>(&parent.mask, subcell),
-            4 => order::rank::<4>(&parent.mask, subcell),
-            _ => order::rank::<5>(&parent.mask, subcell),
-        };
+        let rank = order::rank(&parent.mask, subcell);
         let [i, j, k] = order::place(rho, subcell);
         let [px, py, pz] = parent.place.map(|p| p * i32::from(rho));
         let cell = Cell {
@@ -276,7 +346,13 @@ impl<V: Visibility> Walk<'_, '_, V> {
     #[inline(always)]
     fn sample<F: Footprint>(&mut self, cell: &Cell, node: u32) {
         let (grid, shading) = (self.grid, self.shading);
-        if let Some(rect) = self.clip(F::cover(cell.bounds)) {
+        let Bounds {
+            x,
+            y,
+            half_x,
+            half_y,
+        } = cell.bounds;
+        if let Some(rect) = self.clip(F::of(half_x, half_y).cover(x, y)) {
             self.target
                 .draw(rect, cell.centre.w, || shading.colour(grid.attribute(node)));
         }
@@ -289,11 +365,18 @@ impl<V: Visibility> Walk<'_, '_, V> {
         (over.times(p.x), over.times(p.y))
     }
 
+    /// Where the optical axis meets the frame, Q8.
+    #[inline(always)]
+    fn middle(&self) -> (i32, i32) {
+        (self.view.width << 7, self.view.height << 7)
+    }
+
     #[inline(always)]
     fn bounds(&self, x: i32, y: i32, half: Half) -> Bounds {
+        let (mx, my) = self.middle();
         Bounds {
-            x: x + (self.view.width << 7),
-            y: y + (self.view.height << 7),
+            x: x + mx,
+            y: y + my,
             half_x: half.x,
             half_y: half.y,
         }
@@ -355,9 +438,10 @@ impl<V: Visibility> Walk<'_, '_, V> {
     }
 
     #[inline(always)]
-    fn level(&self, level: usize) -> &LevelView {
+    fn level(&self, level: usize) -> &'v LevelView {
         static NONE: LevelView = LevelView::NONE;
-        self.view.levels.get(level).unwrap_or(&NONE)
+        let view = self.view;
+        view.levels.get(level).unwrap_or(&NONE)
     }
 
     /// Number over all levels of the first node of `level`.

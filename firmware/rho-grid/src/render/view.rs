@@ -67,6 +67,72 @@ pub(super) struct Half {
     pub(super) y: i32,
 }
 
+/// A step on the screen, Q16: 65536 to the pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Step {
+    pub(super) x: i32,
+    pub(super) y: i32,
+}
+
+impl Step {
+    #[inline(always)]
+    pub(super) fn plus(self, d: Self) -> Self {
+        Self {
+            x: self.x + d.x,
+            y: self.y + d.y,
+        }
+    }
+}
+
+/// Where the cells of a level within a block stand on the screen, to first order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps {
+    /// From one cell's centre to the next along the grid's x, y, z.
+    steps: [Step; 3],
+    /// Half extents of any of the cells, Q8, which also hold what the first order leaves out.
+    pub(super) half: Half,
+}
+
+/// From a cell's centre to its `RHO` slabs along each axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slabs<const RHO: usize>([[Step; RHO]; 3]);
+
+impl Steps {
+    /// The slabs of the cells that are divided by `RHO`.
+    #[inline(always)]
+    pub(super) fn slabs<const RHO: usize>(&self) -> Slabs<RHO> {
+        Slabs(self.steps.map(|step| {
+            core::array::from_fn(|slab| {
+                let odd = 2 * slab as i32 + 1 - RHO as i32;
+                Step {
+                    x: (odd * step.x) >> 1,
+                    y: (odd * step.y) >> 1,
+                }
+            })
+        }))
+    }
+}
+
+impl<const RHO: usize> Slabs<RHO> {
+    #[inline(always)]
+    pub(super) fn x(&self, slab: u8) -> Step {
+        let [x, _, _] = &self.0;
+        x.get(usize::from(slab)).copied().unwrap_or_default()
+    }
+
+    #[inline(always)]
+    pub(super) fn y(&self, slab: u8) -> Step {
+        let [_, y, _] = &self.0;
+        y.get(usize::from(slab)).copied().unwrap_or_default()
+    }
+
+    #[inline(always)]
+    pub(super) fn z(&self, slab: u8) -> Step {
+        let [_, _, z] = &self.0;
+        z.get(usize::from(slab)).copied().unwrap_or_default()
+    }
+}
+
 /// The camera's numbers exceed what a frame can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewError {
@@ -282,6 +348,61 @@ impl View {
             x: extent(sum[0], within.x),
             y: extent(sum[1], within.y),
         }
+    }
+
+    /// The steps between the `cells`, two levels below a block of level `block`, which is divided
+    /// by `rho`, whose centre is projected to (x, y) (Q8 from the axis) at depth `w` and whose half
+    /// extents are `own`; `None` when the block is too near or too large for the first order.
+    ///
+    /// A cell's centre at (dX, dW) from its parent's is projected to (dX - x' dW) / (W' + dW) from
+    /// the parent's x'. The step takes the block's x and W for the parent's x' and for W' + dW.
+    /// With r = D / (W - D), where D is the block's half extent in W, the one is off by at most
+    /// r own / rho, the other by as much: the parent's extent is `own` / rho. The half extents of
+    /// the cells are taken at the block's x and W too, off by a part of that of at most 1/2.
+    /// Altogether 3 r own / rho.
+    #[inline(always)]
+    pub(super) fn steps<R: Reciprocal>(
+        &self,
+        block: &LevelView,
+        cells: &LevelView,
+        [x, y]: [i32; 2],
+        own: Half,
+        w: i32,
+        rho: i32,
+    ) -> Option<Steps> {
+        // Up to 4,096 pixels: Q16 holds all places then, on the largest frame.
+        if w < 2 * block.half.w || own.x.max(own.y) >= 1 << 20 {
+            return None;
+        }
+        let over = OverW::new::<R>(w, self.k);
+        let mut steps = [Step::default(); 3];
+        let mut sum = Step::default();
+        for (step, e) in steps.iter_mut().zip(&cells.half_edges) {
+            // Differences of points of the cube, so they fit.
+            let of =
+                |e: i32, x: i32, w: i32| over.times_q16((i64::from(e) - self.per_w(x, w)) as i32);
+            *step = Step {
+                x: 2 * of(e.x, x, e.w),
+                y: 2 * of(e.y, y, e.w),
+            };
+            sum.x += step.x.abs();
+            sum.y += step.y.abs();
+        }
+        // r in units of 2^(k - 30), rounded up.
+        let nearest = OverW::new::<R>(w - block.half.w, self.k);
+        let r = i64::from(nearest.times(block.half.w)) + 1;
+        let scale = 30u32.saturating_sub(self.k);
+        let half = |sum: i32, own: i32| {
+            let half = (sum >> 9) + ((i64::from(3 * own / rho) * r) >> scale) as i32;
+            half + self.slack + (half >> 13)
+        };
+        Some(Steps {
+            steps,
+            half: Half {
+                x: half(sum.x, own.x),
+                y: half(sum.y, own.y),
+            },
+        })
     }
 
     /// A screen coordinate (Q8) times a W, in the unit of X; rounded down.

@@ -15,6 +15,14 @@ pub struct Rect {
     pub y1: u32,
 }
 
+impl Rect {
+    /// Whether it is one pixel.
+    #[inline(always)]
+    fn is_pixel(self) -> bool {
+        self.x0 == self.x1 && self.y0 == self.y1
+    }
+}
+
 /// A method to find the nearest sample of each pixel.
 pub trait Visibility {
     /// Whether cells must come from front to back.
@@ -67,9 +75,9 @@ impl Visibility for EyeOrder<'_, '_> {
         let (first, last) = (r.x0 >> 5, r.x1 >> 5);
         let from = u32::MAX << (r.x0 & 31);
         let to = u32::MAX >> (31 - (r.x1 & 31));
-        for y in r.y0..=r.y1 {
+        for y in r.y0..r.y1 + 1 {
             let row = y * self.stride;
-            for word in first..=last {
+            for word in first..last + 1 {
                 let mut mask = u32::MAX;
                 if word == first {
                     mask &= from;
@@ -88,23 +96,49 @@ impl Visibility for EyeOrder<'_, '_> {
 
     #[inline(always)]
     fn draw(&mut self, r: Rect, _w: i32, colour: impl FnOnce() -> u16) {
-        let mut colour = Some(colour);
-        let mut found = 0;
-        for y in r.y0..=r.y1 {
+        let (row, line) = (r.y0 * self.stride, r.y0 * self.width);
+        if r.is_pixel() {
+            // Most leaves near and far: no loop, and nothing is looked up for a covered pixel.
+            if self.open(row, r.x0) {
+                let colour = colour();
+                self.write(line + r.x0, colour);
+            }
+            return;
+        }
+        if !self.is_hidden(r) {
+            self.fill(r, colour());
+        }
+    }
+}
+
+impl EyeOrder<'_, '_> {
+    /// Covers a pixel; whether it was open.
+    #[inline(always)]
+    fn open(&mut self, row: u32, x: u32) -> bool {
+        let Some(word) = self.covered.get_mut((row + (x >> 5)) as usize) else {
+            return false;
+        };
+        let bit = 1 << (x & 31);
+        let open = *word & bit == 0;
+        *word |= bit;
+        open
+    }
+
+    #[inline(always)]
+    fn write(&mut self, at: u32, colour: u16) {
+        if let Some(pixel) = self.frame.pixels_mut().get_mut(at as usize) {
+            *pixel = colour;
+        }
+    }
+
+    /// Colours the open pixels.
+    #[inline(never)]
+    fn fill(&mut self, r: Rect, colour: u16) {
+        for y in r.y0..r.y1 + 1 {
             let (row, line) = (y * self.stride, y * self.width);
-            for x in r.x0..=r.x1 {
-                let Some(word) = self.covered.get_mut((row + (x >> 5)) as usize) else {
-                    continue;
-                };
-                let bit = 1 << (x & 31);
-                if *word & bit == 0 {
-                    *word |= bit;
-                    if let Some(colour) = colour.take() {
-                        found = colour();
-                    }
-                    if let Some(pixel) = self.frame.pixels_mut().get_mut((line + x) as usize) {
-                        *pixel = found;
-                    }
+            for x in r.x0..r.x1 + 1 {
+                if self.open(row, x) {
+                    self.write(line + x, colour);
                 }
             }
         }
@@ -149,23 +183,46 @@ impl Visibility for ZBuffer<'_, '_> {
     fn draw(&mut self, r: Rect, w: i32, colour: impl FnOnce() -> u16) {
         // w is below 2^29; in front of the eye it is positive.
         let here = (w.max(0) >> 13).min(0xFFFE) as u16;
-        let mut colour = Some(colour);
-        let mut found = 0;
-        for y in r.y0..=r.y1 {
+        if r.is_pixel() {
+            let at = r.y0 * self.width + r.x0;
+            if self.nearer(at, here) {
+                let colour = colour();
+                self.write(at, colour);
+            }
+            return;
+        }
+        self.fill(r, here, colour());
+    }
+}
+
+impl ZBuffer<'_, '_> {
+    /// Moves a pixel's depth to `here`; whether that is nearer.
+    #[inline(always)]
+    fn nearer(&mut self, at: u32, here: u16) -> bool {
+        match self.depth.get_mut(at as usize) {
+            Some(depth) if here < *depth => {
+                *depth = here;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    #[inline(always)]
+    fn write(&mut self, at: u32, colour: u16) {
+        if let Some(pixel) = self.frame.pixels_mut().get_mut(at as usize) {
+            *pixel = colour;
+        }
+    }
+
+    /// Colours the pixels where this is nearer.
+    #[inline(never)]
+    fn fill(&mut self, r: Rect, here: u16, colour: u16) {
+        for y in r.y0..r.y1 + 1 {
             let line = y * self.width;
-            for x in r.x0..=r.x1 {
-                let at = (line + x) as usize;
-                let Some(depth) = self.depth.get_mut(at) else {
-                    continue;
-                };
-                if here < *depth {
-                    *depth = here;
-                    if let Some(colour) = colour.take() {
-                        found = colour();
-                    }
-                    if let Some(pixel) = self.frame.pixels_mut().get_mut(at) {
-                        *pixel = found;
-                    }
+            for x in r.x0..r.x1 + 1 {
+                if self.nearer(line + x, here) {
+                    self.write(line + x, colour);
                 }
             }
         }
@@ -205,7 +262,8 @@ mod tests {
         let mut z = ZBuffer::new(&mut frame, &mut depth).unwrap();
         z.draw(rect(0, 1, 0, 1), 1 << 20, || 1);
         z.draw(rect(0, 0, 0, 0), 1 << 19, || 2);
-        z.draw(rect(0, 1, 0, 1), 1 << 20, || panic!("not nearer"));
+        z.draw(rect(0, 1, 0, 1), 1 << 20, || 3);
+        z.draw(rect(1, 1, 1, 1), 1 << 20, || panic!("not nearer"));
         assert_eq!(buffer, [2, 1, 1, 1]);
     }
 }

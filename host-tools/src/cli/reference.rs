@@ -1,0 +1,133 @@
+//! `rho reference`: the ground truth of a model, ray-cast on the PC.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+
+use crate::failure::{Failure, Outcome};
+use crate::reference::{Caster, Shot};
+use crate::source::{self, ModelArgs};
+use crate::view::ViewArgs;
+
+const EXAMPLES: &str = "\
+Examples:
+  rho reference bunny.ply.gz -o truth.png --view near-turned
+  rho reference scan.obj -o truth.png --depth depth.png --up z --size 480x640
+
+The picture is RGBA: coverage is its alpha, and the colour of a pixel that is covered in part
+is the mean over the whole pixel with the background black. The depth picture is 16-bit grey
+with its range in two texts; it holds the depth at each pixel's centre.";
+
+/// Draw the ground truth of a model: rays in f64 against its own triangles
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Reference {
+    /// A mesh: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard input
+    pub model: String,
+    /// The PNG to write; - for standard output
+    #[arg(short, long, value_name = "F.png")]
+    pub output: PathBuf,
+    /// Also write the depth at each pixel's centre, a 16-bit PNG
+    #[arg(long, value_name = "D.png")]
+    pub depth: Option<PathBuf>,
+    /// One ray through each pixel's centre, as --samples 1
+    #[arg(long, conflicts_with = "samples")]
+    pub exact: bool,
+    /// Rays a pixel along each axis
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub samples: u32,
+    /// Light the side that is seen, whichever way its normal points
+    #[arg(long)]
+    pub two_sided: bool,
+    /// What was measured as one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// No progress and no warnings
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// How the model is read.
+    #[command(flatten)]
+    pub model_args: ModelArgs,
+    /// Where the eye stands.
+    #[command(flatten)]
+    pub view_args: ViewArgs,
+}
+
+impl Reference {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// Exit 2: the model cannot be used, the view is out of range, or a file cannot be written.
+    pub fn run(&self) -> Outcome {
+        let started = Instant::now();
+        let shot = Shot {
+            view: self.view_args.view(),
+            light: self.view_args.light(),
+            samples: if self.exact { 1 } else { self.samples },
+            two_sided: self.two_sided,
+        };
+        // Before the model is read: a wrong flag should not cost a second.
+        shot.check()?;
+        if self.json && self.output == Path::new("-") {
+            return Err(
+                Failure::input("--json and -o - both write to standard output")
+                    .help("name a file for the picture"),
+            );
+        }
+        let loaded = source::mesh(&self.model, &self.model_args.options())?;
+        if !self.quiet {
+            for warning in &loaded.warnings {
+                eprintln!("warning: {warning}");
+            }
+        }
+        let bar = self.bar(shot.view.height);
+        let caster = Caster::new(&loaded.mesh);
+        let truth = caster.render(&shot, &|| bar.inc(1))?;
+        bar.finish_and_clear();
+        truth.picture.write(&self.output)?;
+        if let Some(depth) = &self.depth {
+            truth.depth.write(depth)?;
+        }
+        if self.json {
+            let source = &loaded.source;
+            println!(
+                "{}",
+                json!({
+                    "model": self.model,
+                    "format": source.format,
+                    "vertices": source.vertices,
+                    "triangles": source.triangles,
+                    "warnings": loaded.warnings,
+                    "width": shot.view.width,
+                    "height": shot.view.height,
+                    "samples": shot.samples,
+                    "covered_centres": truth.covered_centres(),
+                    "covered": truth.covered(),
+                    "seconds": started.elapsed().as_secs_f64(),
+                })
+            );
+        } else if !self.quiet {
+            eprintln!(
+                "{}: {} pixel centres covered, {:.2} s",
+                self.output.display(),
+                truth.covered_centres(),
+                started.elapsed().as_secs_f64()
+            );
+        }
+        Ok(())
+    }
+
+    /// A bar, on a terminal only.
+    fn bar(&self, rows: u16) -> ProgressBar {
+        if self.quiet || self.json || !std::io::stderr().is_terminal() {
+            return ProgressBar::hidden();
+        }
+        let style = ProgressStyle::with_template("rays {wide_bar} {percent}% {eta}");
+        let bar = ProgressBar::new(u64::from(rows));
+        bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    }
+}
