@@ -5,9 +5,8 @@
     reason = "the one module that touches the machine; every block cites what makes it sound"
 )]
 
-use core::arch::asm;
+use core::arch::{asm, naked_asm};
 
-use cortex_m_rt::{ExceptionFrame, exception};
 use rho_viewer::count::PROBES;
 use rho_viewer::report::Exit;
 
@@ -18,6 +17,13 @@ const MODEL_BYTES: usize = 16 << 20;
 
 /// What cortex-m-rt paints the stack with before `main`.
 const PAINT: u32 = 0xCCCC_CCCC;
+
+unsafe extern "C" {
+    /// The top of the stack's memory, by board.x. Only its address means something.
+    static _stack_start: u32;
+    /// The bottom of the stack's memory, by board.x. Only its address means something.
+    static _stack_end: u32;
+}
 
 /// A 32-bit device register.
 #[derive(Clone, Copy)]
@@ -69,10 +75,6 @@ pub(crate) fn model() -> &'static [u8] {
 
 /// How deep the stack has been, in bytes.
 pub(crate) fn stack_used() -> u32 {
-    unsafe extern "C" {
-        static _stack_start: u32;
-        static _stack_end: u32;
-    }
     let (top, bottom) = (&raw const _stack_start, &raw const _stack_end);
     let mut word = bottom;
     // SAFETY: the linker places both symbols at the ends of the stack's memory (board.x),
@@ -104,40 +106,91 @@ pub(crate) fn counter() -> u32 {
     ticks
 }
 
-/// Code of known lengths between two readings, as pairs of length and the readings.
-pub(crate) fn counted_code() -> [(u32, u32, u32); PROBES] {
-    macro_rules! between_readings {
-        ($length:expr; $($line:literal),+; $($name:ident = $operand:expr)?) => {{
-            let start = counter();
-            // SAFETY: works in registers only, declared below; touches no memory.
-            unsafe {
-                asm!($($line,)* $($name = const $operand,)?
-                    out("r2") _, options(nomem, nostack));
-            }
-            let end = counter();
-            ($length, start, end)
-        }};
-    }
+/// Two readings with code of a known length between, in one piece of assembly: the compiler
+/// puts nothing between them.
+macro_rules! between_readings {
+    ($($line:literal),*; $($name:ident = $operand:expr)?) => {{
+        let (start, end): (u32, u32);
+        // SAFETY: reads the counter as `counter` does, and works in registers declared below.
+        unsafe {
+            asm!(
+                "movw {start}, #0x8018",
+                "movt {start}, #0x4002",
+                "ldr {start}, [{start}]",
+                $($line,)*
+                "movw {end}, #0x8018",
+                "movt {end}, #0x4002",
+                "ldr {end}, [{end}]",
+                start = out(reg) start,
+                end = out(reg) end,
+                $($name = const $operand,)?
+                out("r2") _,
+                options(nostack),
+            );
+        }
+        (start, end)
+    }};
+}
+
+/// Two readings with nothing between.
+pub(crate) fn nothing_counted() -> (u32, u32) {
+    between_readings!(;)
+}
+
+/// Code of known lengths: the length and the readings around it.
+pub(crate) fn counted_code() -> [(u32, (u32, u32)); PROBES] {
     const TURNS: u32 = 1_000_000;
     [
-        between_readings!(0; "";),
-        between_readings!(1; "nop";),
-        between_readings!(7; "nop", "nop", "nop", "nop", "nop", "nop", "nop";),
-        // movw, movt, and a subtraction and a branch a turn.
-        between_readings!(
-            2 + 2 * TURNS;
-            "movw r2, #({turns} & 0xFFFF)",
-            "movt r2, #({turns} >> 16)",
-            "2: subs r2, r2, #1",
-            "bne 2b";
-            turns = TURNS
+        (0, nothing_counted()),
+        (1, between_readings!("nop";)),
+        (
+            7,
+            between_readings!("nop", "nop", "nop", "nop", "nop", "nop", "nop";),
+        ),
+        // movw, movt, then a subtraction and a branch a turn.
+        (
+            2 + 2 * TURNS,
+            between_readings!(
+                "movw r2, #({turns} & 0xFFFF)",
+                "movt r2, #({turns} >> 16)",
+                "2: subs r2, r2, #1",
+                "bne 2b";
+                turns = TURNS
+            ),
         ),
     ]
 }
 
+/// What the processor runs on a fault: takes the stack pointer and the address at fault, and goes
+/// on with a fresh stack, since the fault may be that there was none left.
+///
+/// # Safety
+/// Called by the processor only.
+#[unsafe(naked)]
+// SAFETY: the vector table of cortex-m-rt takes the fault handler by this name.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn HardFault() -> ! {
+    naked_asm!(
+        "mov r0, sp",
+        // The exception frame: r0 to r3, r12, lr, then the address.
+        "ldr r1, [sp, #24]",
+        "ldr r2, =_stack_start",
+        "mov sp, r2",
+        "b {fault}",
+        fault = sym fault,
+    )
+}
+
 /// Ends the emulator: a fault is never waited out.
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    defmt::error!("fault at {=u32:#010x}", frame.pc());
-    crate::exit(Exit::Fault)
+extern "C" fn fault(stack: u32, address: u32) -> ! {
+    let bottom = (&raw const _stack_end).addr() as u32;
+    if stack < bottom {
+        let beyond = bottom - stack;
+        crate::broken(
+            Exit::Fault,
+            format_args!("the stack overflowed by {beyond} bytes"),
+        )
+    } else {
+        crate::broken(Exit::Fault, format_args!("at {address:#010x}"))
+    }
 }

@@ -43,8 +43,13 @@ impl Counter for Clock {
         between(start, end)
     }
 
+    fn overhead(&self) -> u32 {
+        let (start, end) = bare::nothing_counted();
+        between(start, end)
+    }
+
     fn self_test(&self) -> [Probe; PROBES] {
-        bare::counted_code().map(|(expected, start, end)| Probe {
+        bare::counted_code().map(|(expected, (start, end))| Probe {
             expected,
             counted: between(start, end),
         })

@@ -25,10 +25,9 @@ mod pins;
 mod spi;
 mod uart;
 
-use core::fmt::Write;
+use core::fmt::{self, Write};
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
-use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m_rt::entry;
 use defmt_semihosting as _;
@@ -37,7 +36,7 @@ use rho_viewer::canvas::{PIXELS, Words};
 use rho_viewer::flow::{self, Device};
 use rho_viewer::panel::{Ili9341, ScreenError, Wire};
 use rho_viewer::picture::Memory;
-use rho_viewer::report::Exit;
+use rho_viewer::report::{Exit, Report};
 use rho_viewer::request::MAX_LINE;
 
 use crate::clock::{Clock, Delay};
@@ -106,12 +105,20 @@ fn exit(exit: Exit) -> ! {
     semihosting::process::exit(exit.code().into())
 }
 
+/// Ends the emulator with a report of what broke. Nothing of it goes through the log, which may
+/// be what broke.
+fn broken(code: Exit, message: fmt::Arguments<'_>) -> ! {
+    let mut report = Report {
+        exit: code,
+        ..Report::default()
+    };
+    // A message that is too long is cut; a line that is stuck still leaves the code.
+    let _ = report.message.write_fmt(message);
+    let _ = write!(Uart::start(), "{report}");
+    exit(code)
+}
+
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
-    static AGAIN: AtomicBool = AtomicBool::new(false);
-    // A panic of the log itself is not logged.
-    if !AGAIN.swap(true, Ordering::Relaxed) {
-        defmt::error!("{}", defmt::Display2Format(info));
-    }
-    exit(Exit::Panic)
+    broken(Exit::Panic, format_args!("{info}"))
 }

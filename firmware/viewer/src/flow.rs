@@ -173,6 +173,9 @@ mod tests {
         fn between(&self, _: u32, _: u32) -> u32 {
             0
         }
+        fn overhead(&self) -> u32 {
+            0
+        }
         fn self_test(&self) -> [Probe; PROBES] {
             [Probe::default(); PROBES]
         }

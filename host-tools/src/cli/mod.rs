@@ -1,11 +1,13 @@
 //! The command line: one file a command, nothing but flags, calls and printing.
 
-pub mod compare;
-pub mod reference;
-
 use clap::{Parser, Subcommand};
 
 use crate::failure::Outcome;
+
+pub mod compare;
+pub mod mode;
+pub mod reference;
+pub mod run;
 
 /// Bakes 3D models for a microcontroller's flash and draws them with its code
 #[derive(Parser, Debug)]
@@ -22,6 +24,7 @@ pub struct Rho {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    Run(Box<run::RunArgs>),
     Reference(reference::Reference),
     Compare(compare::Compare),
 }
@@ -33,6 +36,7 @@ impl Rho {
     /// Whatever the command ends with; see [`crate::failure::Exit`].
     pub fn run(self) -> Outcome {
         match self.command {
+            Command::Run(args) => args.run(),
             Command::Reference(command) => command.run(),
             Command::Compare(command) => command.run(),
         }
