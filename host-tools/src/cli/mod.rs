@@ -1,7 +1,11 @@
 //! The command line: one file a command, nothing but flags, calls and printing.
 
+pub mod bake;
 pub mod compare;
+pub mod info;
+pub mod mode;
 pub mod reference;
+pub mod render;
 
 use clap::{Parser, Subcommand};
 
@@ -22,6 +26,9 @@ pub struct Rho {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    Bake(Box<bake::Bake>),
+    Info(info::Info),
+    Render(Box<render::Render>),
     Reference(reference::Reference),
     Compare(compare::Compare),
 }
@@ -33,6 +40,9 @@ impl Rho {
     /// Whatever the command ends with; see [`crate::failure::Exit`].
     pub fn run(self) -> Outcome {
         match self.command {
+            Command::Bake(command) => command.run(),
+            Command::Info(command) => command.run(),
+            Command::Render(command) => command.run(),
             Command::Reference(command) => command.run(),
             Command::Compare(command) => command.run(),
         }
