@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use std::time::Instant;
 
 use host_tools::bake::{BakeOptions, Baked, GridChoice, LayoutChoice, Progress, bake};
 use host_tools::model::{self, LoadOptions};
@@ -235,6 +236,54 @@ fn a_memory_limit_is_kept_while_reading_and_while_sampling() {
         assert!(error.contains("t.obj"), "{error}");
         assert!(error.contains("memory"), "{error}");
         assert_eq!(names(folder.path()), ["t.obj"]);
+    }
+}
+
+#[test]
+fn what_is_baked_under_a_memory_limit_took_no_more() {
+    let folder = folder();
+    let mut baked = 0;
+    for (name, limits) in [
+        ("bunny", &[16, 20, 24, 28, 32, 48][..]),
+        ("tree_oak", &[180]),
+    ] {
+        let path = model::scan(name).unwrap();
+        for limit in limits {
+            let memory = format!("{limit}M");
+            let command = ["bake", path.to_str().unwrap(), "-o", "o.rho", "--json"];
+            let output = rho(
+                folder.path(),
+                &[&command[..], &["--memory", &memory]].concat(),
+            );
+            if output.status.code() == Some(2) {
+                continue;
+            }
+            baked += 1;
+            let peak = json(&output)["peak_memory_bytes"].as_u64().unwrap();
+            assert!(peak <= limit << 20, "{name}: {peak} of {memory}");
+        }
+    }
+    assert!(baked >= 3, "{baked}");
+}
+
+/// `cargo test --release -p host-tools --test bake -- --ignored --nocapture`.
+#[test]
+#[ignore = "bounds on time hold for release builds on a quiet machine"]
+fn the_bunny_bakes_in_0_6_s_and_the_dragon_in_3_s() {
+    let folder = folder();
+    for (name, bound) in [("bunny", 0.6), ("dragon", 3.0)] {
+        let path = model::scan(name).unwrap();
+        let mut seconds: Vec<f64> = (0..5)
+            .map(|_| {
+                let started = Instant::now();
+                let command = ["bake", path.to_str().unwrap(), "-o", "o.rho", "-q"];
+                assert!(rho(folder.path(), &command).status.success());
+                started.elapsed().as_secs_f64()
+            })
+            .collect();
+        seconds.sort_by(f64::total_cmp);
+        println!("{name}: median of 5 {:.2} s", seconds[2]);
+        assert!(seconds[2] <= bound, "{name}: {seconds:?}");
     }
 }
 
