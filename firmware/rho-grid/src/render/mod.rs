@@ -5,7 +5,7 @@
 //!   -> bounds on the screen -> culled? hidden? small enough or leaf? -> footprint -> visibility
 //! ```
 //!
-//! What varies is a type: a [`Visibility`], a [`Footprint`](footprint::Footprint), a
+//! What varies is a type: a [`Visibility`], a [`Footprint`], a
 //! [`Reciprocal`](crate::reciprocal::Reciprocal). [`draw`] is compiled for each combination that a
 //! board uses; [`draw_mode`] has them all and is for boards and hosts that choose at run time.
 

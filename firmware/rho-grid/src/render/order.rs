@@ -105,7 +105,7 @@ impl<const RHO: usize> Order<RHO> {
     #[inline(always)]
     pub(super) fn rows(self, plane: u32) -> impl Iterator<Item = (u32, u32)> {
         self.along_y
-            .map(move |j| (j, plane >> (RHO as u32 * j & 31) & ((1 << RHO) - 1)))
+            .map(move |j| (j, (plane >> ((RHO as u32 * j) & 31)) & ((1 << RHO) - 1)))
             .filter(|(_, row)| *row != 0)
     }
 
@@ -142,7 +142,7 @@ impl<const RHO: usize> Order<RHO> {
 fn plane<const RHO: usize>(mask: &[u32; 4], k: usize) -> u32 {
     if RHO <= 3 {
         let [low, ..] = *mask;
-        return low >> (RHO * RHO * k & 31) & ((1 << (RHO * RHO)) - 1);
+        return (low >> ((RHO * RHO * k) & 31)) & ((1 << (RHO * RHO)) - 1);
     }
     let bit = RHO * RHO * k;
     let word = |i: usize| mask.get(i).copied().unwrap_or(0);
