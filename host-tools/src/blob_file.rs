@@ -1,6 +1,6 @@
 //! Blobs as files.
 
-use std::io::Write;
+use std::io::Read;
 use std::path::Path;
 
 use rho_grid::blob::{Blob, BlobError};
@@ -16,13 +16,20 @@ pub struct BlobFile {
 }
 
 impl BlobFile {
-    /// Reads a file whole; what it holds is checked by [`Self::blob`].
+    /// Reads a file whole, or standard input when the path is `-`; what it holds is checked by
+    /// [`Self::blob`].
     ///
     /// # Errors
     /// When it cannot be read.
     pub fn read(path: &Path) -> Outcome<Self> {
-        let name = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|e| {
+        let (name, bytes) = if path == Path::new("-") {
+            let mut bytes = Vec::new();
+            let read = std::io::stdin().lock().read_to_end(&mut bytes);
+            ("standard input".to_owned(), read.map(|_| bytes))
+        } else {
+            (path.display().to_string(), std::fs::read(path))
+        };
+        let bytes = bytes.map_err(|e| {
             Failure::input(format!("{name}: {e}"))
                 .help("name a blob that `rho bake MODEL -o OUT.rho` has written")
         })?;
@@ -78,34 +85,4 @@ impl BlobFile {
             ),
         }
     }
-}
-
-/// Writes a file beside `path` and puts it in its place at once: there is the old file or the whole
-/// new one, never a part.
-///
-/// # Errors
-/// When the folder does not exist or cannot be written; the old file is then as before.
-pub fn replace(path: &Path, bytes: &[u8]) -> Outcome {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let write = || -> std::io::Result<()> {
-        let mut file = tempfile::Builder::new()
-            .prefix(".rho-")
-            .tempfile_in(folder)?;
-        file.write_all(bytes)?;
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            file.as_file()
-                .set_permissions(std::fs::Permissions::from_mode(0o644))?;
-        }
-        file.persist(path)?;
-        Ok(())
-    };
-    write().map_err(|e| {
-        Failure::input(format!("{}: cannot be written: {e}", path.display()))
-            .help("name a file in a folder that exists and may be written")
-    })
 }

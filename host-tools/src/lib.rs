@@ -1,19 +1,23 @@
 //! Everything of rho-grid that runs on the PC: the library behind the `rho` command.
 #![forbid(unsafe_code)]
 
+pub mod bake;
 pub mod blob_file;
 pub mod cli;
 pub mod compare;
+pub mod contents;
 pub mod depth;
 pub mod device;
 pub mod encode;
 pub mod failure;
 pub mod firmware;
+pub mod flash;
 pub mod geometry;
 pub mod mesh;
 pub mod model;
 pub mod palette;
 pub mod panel;
+pub mod peak;
 pub mod picture;
 pub mod qemu;
 pub mod quantise;
@@ -22,4 +26,5 @@ pub mod render;
 pub mod replace;
 pub mod sampling;
 pub mod source;
+pub mod text;
 pub mod view;

@@ -27,9 +27,15 @@ static PLANES: LazyLock<Vec<[DVec3; 3]>> = LazyLock::new(|| {
     planes
 });
 
-/// The 13-bit index of the face which `normal` (of any length but 0) passes through.
+/// Components below this count as 0. An axis is a corner of eight faces; where a plane lies across
+/// an axis, rounding must not choose another of them from sample to sample.
+const NOTHING: f64 = 1e-5;
+
+/// The 13-bit index of the face which `normal`, of length 1, passes through.
 #[must_use]
 pub fn normal_index(normal: DVec3) -> u32 {
+    let clean = |c: f64| if c.abs() < NOTHING { 0.0 } else { c };
+    let normal = DVec3::new(clean(normal.x), clean(normal.y), clean(normal.z));
     let octant =
         u32::from(normal.x < 0.0) << 2 | u32::from(normal.y < 0.0) << 1 | u32::from(normal.z < 0.0);
     let d = normal.abs();
@@ -58,6 +64,14 @@ mod tests {
     fn every_face_finds_itself() {
         for index in 0..COUNT as u32 {
             assert_eq!(normal_index(direction(index)), index);
+        }
+    }
+
+    #[test]
+    fn rounding_does_not_speckle_a_plane_across_an_axis() {
+        let up = normal_index(DVec3::Y);
+        for (x, z) in [(1e-7, -1e-8), (-1e-7, 1e-8), (-1e-9, -1e-7), (-0.0, 0.0)] {
+            assert_eq!(normal_index(DVec3::new(x, 1.0, z)), up);
         }
     }
 

@@ -21,17 +21,7 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Outcome {
             .and_then(|()| out.flush())
             .map_err(failed);
     }
-    if path.is_dir() {
-        return Err(Failure::input(format!(
-            "cannot write {}: it is a directory",
-            path.display()
-        ))
-        .help("name a file"));
-    }
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
+    check_replaceable(path)?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(".rho-");
     #[cfg(unix)]
@@ -40,10 +30,36 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Outcome {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder).map_err(failed)?;
+    let mut file = builder.tempfile_in(folder_of(path)).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
     file.persist(path).map_err(|error| failed(error.error))?;
     Ok(())
+}
+
+/// Fails when [`replace`] is bound to: for commands that work long before they write.
+///
+/// # Errors
+/// Exit 2 when the folder is missing or the path is a directory.
+pub fn check_replaceable(path: &Path) -> Outcome {
+    let refuse = |what: &str, help: &str| {
+        Err(Failure::input(format!("cannot write {}: {what}", path.display())).help(help))
+    };
+    if path == Path::new("-") {
+        Ok(())
+    } else if path.is_dir() {
+        refuse("it is a directory", "name a file")
+    } else if !folder_of(path).is_dir() {
+        refuse("its folder does not exist", "make the folder first")
+    } else {
+        Ok(())
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
 }
 
 #[cfg(test)]

@@ -1,23 +1,30 @@
-//! What MODEL means on the command line.
+//! What MODEL means on the command line: a file, standard input, or the name of an object that
+//! needs no file.
 
-use std::path::Path;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::failure::Outcome;
-use crate::model::{self, LoadOptions, Loaded, Up};
+use crate::failure::{Failure, Outcome};
+use crate::geometry::{self, Geometry, PROCEDURAL};
+use crate::mesh::Mesh;
+use crate::model::{self, LoadOptions, SourceInfo, Up};
 
-/// The flags that say how a model is read.
+/// The flags that say how a model is found and read.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Model")]
 pub struct ModelArgs {
+    /// Where a model is looked for that is not in the current folder
+    #[arg(long, value_name = "DIR")]
+    pub models: Option<PathBuf>,
     /// Which way is up in the file
     #[arg(long, value_enum, default_value_t = Up::Y)]
     pub up: Up,
     /// Ignore the colours of the file
     #[arg(long)]
     pub white: bool,
-    /// The most memory that a model may take; K, M, G are 1024
+    /// The most memory that may be used; K, M, G are 1024
     #[arg(long, value_name = "SIZE", default_value = "4G", value_parser = bytes)]
     pub memory: u64,
 }
@@ -32,14 +39,118 @@ impl ModelArgs {
             white: self.white,
         }
     }
+
+    /// Finds and reads a model.
+    ///
+    /// # Errors
+    /// As [`open`].
+    pub fn open(&self, model: &str) -> Outcome<Model> {
+        open(model, self.models.as_deref(), &self.options())
+    }
 }
 
-/// The mesh of a model: a path, or `-` for a file on standard input.
+/// A model that was found.
+pub struct Model {
+    /// The file's name without its folder, `standard input`, or the object's name.
+    pub name: String,
+    /// What it is made of.
+    pub shape: Shape,
+    /// What the user should know, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// What a model is made of.
+pub enum Shape {
+    /// A mesh out of a file.
+    Mesh(Mesh, SourceInfo),
+    /// An object that answers for itself.
+    Procedural(Box<dyn Geometry>),
+}
+
+impl Model {
+    /// Triangles; of a procedural object, those that stand for it in pictures.
+    #[must_use]
+    pub fn mesh(&self) -> Cow<'_, Mesh> {
+        match &self.shape {
+            Shape::Mesh(mesh, _) => Cow::Borrowed(mesh),
+            Shape::Procedural(object) => object.mesh(),
+        }
+    }
+
+    /// Triangles in the file, also those without area; `None` for a procedural object.
+    #[must_use]
+    pub fn triangles(&self) -> Option<u64> {
+        match &self.shape {
+            Shape::Mesh(_, source) => Some(source.triangles as u64),
+            Shape::Procedural(_) => None,
+        }
+    }
+
+    /// `ply`, `obj`, ..., or `procedural`.
+    #[must_use]
+    pub fn format(&self) -> String {
+        match &self.shape {
+            Shape::Mesh(_, source) => source.format.to_string().to_lowercase(),
+            Shape::Procedural(_) => "procedural".to_owned(),
+        }
+    }
+}
+
+/// Finds and reads a model: one of [`PROCEDURAL`] by its name (`./teapot` is a file), `-` for a
+/// file on standard input, else a path, also one within the folder `models`.
 ///
 /// # Errors
-/// As [`model::load`].
-pub fn mesh(model: &str, options: &LoadOptions) -> Outcome<Loaded> {
-    model::load(Path::new(model), options)
+/// Exit 2: nothing has that name, or as [`model::load`].
+pub fn open(model: &str, models: Option<&Path>, options: &LoadOptions) -> Outcome<Model> {
+    if let Some(object) = geometry::procedural(model) {
+        let mut warnings = Vec::new();
+        if options.up != Up::Y {
+            warnings.push(format!("{model} stands upright already: --up is not used"));
+        }
+        return Ok(Model {
+            name: model.to_owned(),
+            shape: Shape::Procedural(object),
+            warnings,
+        });
+    }
+    let path = find(model, models)?;
+    if path.extension().is_some_and(|e| e == "toml") {
+        return Err(Failure::input(format!(
+            "{model} is a scene, and this version takes one model"
+        ))
+        .help("name one model file: .ply, .obj, .stl, .glb or .gltf, or one of them .gz"));
+    }
+    let name = match path.file_name() {
+        Some(name) if model != "-" => name.to_string_lossy().into_owned(),
+        _ => "standard input".to_owned(),
+    };
+    let loaded = model::load(&path, options)?;
+    Ok(Model {
+        name,
+        shape: Shape::Mesh(loaded.mesh, loaded.source),
+        warnings: loaded.warnings,
+    })
+}
+
+/// Where the file is.
+fn find(model: &str, models: Option<&Path>) -> Outcome<PathBuf> {
+    let here = PathBuf::from(model);
+    if model == "-" || here.exists() {
+        return Ok(here);
+    }
+    let mut message = format!("there is no file {model}");
+    // A path from the root is not looked for elsewhere.
+    if let Some(models) = models.filter(|_| here.is_relative()) {
+        let there = models.join(&here);
+        if there.exists() {
+            return Ok(there);
+        }
+        message = format!("{message}, neither here nor in {}", models.display());
+    }
+    Err(Failure::input(message).help(format!(
+        "name a model file, or an object that needs none: {}",
+        PROCEDURAL.join(", ")
+    )))
 }
 
 /// A number of bytes such as `512K`; K, M and G are powers of 1024.
@@ -64,6 +175,12 @@ pub fn bytes(text: &str) -> Result<u64, String> {
 mod tests {
     use super::*;
 
+    const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+    fn open_plain(model: &str, models: Option<&Path>) -> Outcome<Model> {
+        open(model, models, &LoadOptions::default())
+    }
+
     #[test]
     fn sizes_are_powers_of_1024() {
         assert_eq!(bytes("512K"), Ok(524_288));
@@ -75,11 +192,46 @@ mod tests {
     }
 
     #[test]
-    fn a_name_that_is_no_file_says_so() {
-        let failure = mesh("nothing-here.ply", &LoadOptions::default()).unwrap_err();
+    fn a_name_that_is_nothing_says_so_and_lists_the_objects() {
+        let failure = open_plain("nothing-here.ply", None).err().unwrap();
         assert!(
             failure.message.contains("no file nothing-here.ply"),
             "{failure}"
         );
+        assert!(failure.help.unwrap().contains("teapot"));
+    }
+
+    #[test]
+    fn a_procedural_object_goes_by_its_name() {
+        let model = open_plain("teapot", None).unwrap();
+        assert_eq!((&*model.name, &*model.format()), ("teapot", "procedural"));
+        assert!(!model.mesh().triangles.is_empty());
+        assert!(model.warnings.is_empty());
+        let turned = LoadOptions {
+            up: Up::Z,
+            ..LoadOptions::default()
+        };
+        assert_eq!(open("teapot", None, &turned).unwrap().warnings.len(), 1);
+    }
+
+    #[test]
+    fn a_relative_name_is_also_looked_for_in_the_folder_of_models() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("only-there.obj"), TRIANGLE).unwrap();
+        let model = open_plain("only-there.obj", Some(folder.path())).unwrap();
+        assert_eq!((&*model.name, &*model.format()), ("only-there.obj", "obj"));
+        for missing in ["not-there.obj", "/not-there.obj"] {
+            let failure = open_plain(missing, Some(folder.path())).err().unwrap();
+            let searched = failure.message.contains(&*folder.path().to_string_lossy());
+            assert_eq!(searched, !missing.starts_with('/'), "{failure}");
+        }
+    }
+
+    #[test]
+    fn a_scene_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("scene.toml"), "").unwrap();
+        let failure = open_plain("scene.toml", Some(folder.path())).err().unwrap();
+        assert!(failure.message.contains("one model"), "{failure}");
     }
 }

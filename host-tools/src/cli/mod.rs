@@ -4,9 +4,12 @@ use clap::{Parser, Subcommand};
 
 use crate::failure::Outcome;
 
+pub mod bake;
 pub mod compare;
+pub mod info;
 pub mod mode;
 pub mod reference;
+pub mod render;
 pub mod run;
 
 /// Bakes 3D models for a microcontroller's flash and draws them with its code
@@ -24,6 +27,9 @@ pub struct Rho {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    Bake(Box<bake::Bake>),
+    Info(info::Info),
+    Render(Box<render::Render>),
     Run(Box<run::RunArgs>),
     Reference(reference::Reference),
     Compare(compare::Compare),
@@ -36,7 +42,10 @@ impl Rho {
     /// Whatever the command ends with; see [`crate::failure::Exit`].
     pub fn run(self) -> Outcome {
         match self.command {
-            Command::Run(args) => args.run(),
+            Command::Bake(command) => command.run(),
+            Command::Info(command) => command.run(),
+            Command::Render(command) => command.run(),
+            Command::Run(command) => command.run(),
             Command::Reference(command) => command.run(),
             Command::Compare(command) => command.run(),
         }

@@ -10,12 +10,13 @@ use serde_json::json;
 
 use crate::failure::{Failure, Outcome};
 use crate::reference::{Caster, Shot};
-use crate::source::{self, ModelArgs};
+use crate::source::{ModelArgs, Shape};
 use crate::view::ViewArgs;
 
 const EXAMPLES: &str = "\
 Examples:
   rho reference bunny.ply.gz -o truth.png --view near-turned
+  rho reference teapot -o teapot.png
   rho reference scan.obj -o truth.png --depth depth.png --up z --size 480x640
 
 The picture is RGBA: coverage is its alpha, and the colour of a pixel that is covered in part
@@ -26,7 +27,8 @@ with its range in two texts; it holds the depth at each pixel's centre.";
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Reference {
-    /// A mesh: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard input
+    /// A mesh: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard input; or
+    /// an object that needs no file: teapot
     pub model: String,
     /// The PNG to write; - for standard output
     #[arg(short, long, value_name = "F.png")]
@@ -78,14 +80,15 @@ impl Reference {
                     .help("name a file for the picture"),
             );
         }
-        let loaded = source::mesh(&self.model, &self.model_args.options())?;
+        let model = self.model_args.open(&self.model)?;
         if !self.quiet {
-            for warning in &loaded.warnings {
+            for warning in &model.warnings {
                 eprintln!("warning: {warning}");
             }
         }
+        let mesh = model.mesh();
         let bar = self.bar(shot.view.height);
-        let caster = Caster::new(&loaded.mesh);
+        let caster = Caster::new(&mesh);
         let truth = caster.render(&shot, &|| bar.inc(1))?;
         bar.finish_and_clear();
         truth.picture.write(&self.output)?;
@@ -93,15 +96,18 @@ impl Reference {
             truth.depth.write(depth)?;
         }
         if self.json {
-            let source = &loaded.source;
+            let (vertices, triangles) = match &model.shape {
+                Shape::Mesh(_, source) => (source.vertices, source.triangles),
+                Shape::Procedural(_) => (mesh.positions.len(), mesh.triangles.len()),
+            };
             println!(
                 "{}",
                 json!({
                     "model": self.model,
-                    "format": source.format,
-                    "vertices": source.vertices,
-                    "triangles": source.triangles,
-                    "warnings": loaded.warnings,
+                    "format": model.format(),
+                    "vertices": vertices,
+                    "triangles": triangles,
+                    "warnings": model.warnings,
                     "width": shot.view.width,
                     "height": shot.view.height,
                     "samples": shot.samples,

@@ -134,7 +134,7 @@ impl Sampling {
     fn too_large(&self, needs: &str) -> Failure {
         Failure::input(format!(
             "a grid of {} cells an axis needs {needs} of memory for this object, and the limit \
-             is {}",
+             leaves {}",
             self.sequence.cells(),
             megabytes(self.memory)
         ))

@@ -17,6 +17,7 @@
 //! no projection (a division by next to nothing), so that nothing overflows, nothing in view is
 //! lost and nothing small looks large.
 
+use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
 use super::order::{self, List, Order};
 use super::project::{Bounds, Homogeneous, OverW};
@@ -210,11 +211,20 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         ) else {
             return true;
         };
+        // Discs too large for their numbers are drawn one by one, as boxes.
+        let discs = if F::DISCS {
+            Discs::new(&steps.steps, self.grid.layout())
+        } else {
+            Some(Discs::NONE)
+        };
+        let Some(discs) = discs else {
+            return true;
+        };
         match below.rho {
-            2 => self.block::<F, R, 2>(open, half, level, &steps, cell.bounds),
-            3 => self.block::<F, R, 3>(open, half, level, &steps, cell.bounds),
-            4 => self.block::<F, R, 4>(open, half, level, &steps, cell.bounds),
-            _ => self.block::<F, R, 5>(open, half, level, &steps, cell.bounds),
+            2 => self.block::<F, R, 2>(open, half, level, &steps, &discs, cell.bounds),
+            3 => self.block::<F, R, 3>(open, half, level, &steps, &discs, cell.bounds),
+            4 => self.block::<F, R, 4>(open, half, level, &steps, &discs, cell.bounds),
+            _ => self.block::<F, R, 5>(open, half, level, &steps, &discs, cell.bounds),
         }
         false
     }
@@ -239,6 +249,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         half: Half,
         level: usize,
         steps: &Steps,
+        discs: &Discs,
         block: Bounds,
     ) {
         let Some([nodes, below]) = self
@@ -259,7 +270,8 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         let rho = i32::from(nodes.rho);
         let [ox, oy, oz] = open.place.map(|p| p * rho);
 
-        let footprint = F::of::<16>(steps.half.x, steps.half.y);
+        let ball = if F::DISCS { discs.reach() } else { steps.half };
+        let footprint = F::of::<16>(ball.x, ball.y);
         let slabs = steps.slabs::<RHO>();
         let inside = self.is_inside(&block, steps.half);
         for &subcell in open.list.iter().take(usize::from(open.count)) {
@@ -299,6 +311,12 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
                     let subcells = RHO as u32 * (j + RHO as u32 * k);
                     for i in order.cells(row) {
                         let at = from.plus(slabs.along::<0>(i));
+                        if F::DISCS {
+                            let subcell = (subcells + i) as u8;
+                            let word = || grid.attribute(first + order::rank(&mask, subcell));
+                            self.disc(discs, footprint, at, centre_w, inside, word);
+                            continue;
+                        }
                         let pixels = footprint.cover::<16>(at.x, at.y);
                         let rect = if inside {
                             pixels.rect()
@@ -315,6 +333,59 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
                             shading.colour(grid.attribute(first + order::rank(&mask, subcell)))
                         });
                     }
+                }
+            }
+        }
+    }
+
+    /// Draws a sample as a disc. `ball` covers what any disc in its cell may reach.
+    #[inline(always)]
+    fn disc<F: Footprint>(
+        &mut self,
+        discs: &Discs,
+        ball: F,
+        at: Step,
+        w: i32,
+        inside: bool,
+        word: impl FnOnce() -> u32,
+    ) {
+        let pixels = ball.cover::<16>(at.x, at.y);
+        let rect = if inside {
+            pixels.rect()
+        } else {
+            self.clip(pixels)
+        };
+        match rect {
+            Some(rect) if !self.target.is_hidden(rect) => {}
+            _ => return,
+        }
+        let word = word();
+        let ellipse = discs.ellipse(at, word);
+        let half = ellipse.half();
+        let c = ellipse.centre;
+        // The pixels whose centres lie within the half extents.
+        let first = |c: i32, half: i32| (c - half + 32767) >> 16;
+        let last = |c: i32, half: i32| (c + half - 32768) >> 16;
+        let pixels = Pixels {
+            x: (first(c.x, half.x), last(c.x, half.x)),
+            y: (first(c.y, half.y), last(c.y, half.y)),
+        };
+        let Some(rect) = self.clip(pixels) else {
+            return;
+        };
+        let colour = self.shading.colour(word);
+        for y in rect.y0..rect.y1 + 1 {
+            let dy = ((y as i32) << 16) + 32768 - c.y;
+            for x in rect.x0..rect.x1 + 1 {
+                let dx = ((x as i32) << 16) + 32768 - c.x;
+                if ellipse.holds(dx, dy) {
+                    let pixel = Rect {
+                        x0: x,
+                        x1: x,
+                        y0: y,
+                        y1: y,
+                    };
+                    self.target.draw(pixel, w, || colour);
                 }
             }
         }

@@ -88,7 +88,7 @@ impl Step {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps {
     /// From one cell's centre to the next along the grid's x, y, z.
-    steps: [Step; 3],
+    pub(super) steps: [Step; 3],
     /// Half extents of any of the cells, Q8, which also hold what the first order leaves out.
     pub(super) half: Half,
 }

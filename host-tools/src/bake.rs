@@ -1,0 +1,543 @@
+//! The whole way from a model to a blob: read, sample, encode.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use rayon::prelude::*;
+use rho_grid::blob::Layout;
+use rho_grid::blob::format::mask_words;
+use serde::Serialize;
+
+use crate::blob_file::BlobFile;
+use crate::contents::Contents;
+use crate::encode::{Encoding, encode};
+use crate::failure::{Failure, Outcome};
+use crate::flash::{self, Found};
+use crate::geometry::Geometry;
+use crate::geometry::triangle::Corners;
+use crate::geometry::triangles::Triangles;
+use crate::mesh::Mesh;
+use crate::model::{LoadOptions, Up};
+use crate::palette::Palette;
+use crate::peak::peak_memory;
+use crate::sampling::{Sampling, Separation, Sequence, Tree};
+use crate::source::{self, Model, Shape};
+use crate::text::{size, thousands};
+
+/// How a model is baked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BakeOptions {
+    /// How the cube is cut.
+    pub grid: GridChoice,
+    /// Which cells are leaves.
+    pub separation: Separation,
+    /// What a sample's word holds.
+    pub layout: LayoutChoice,
+    /// How the model is read; its memory limit is that of the whole bake.
+    pub load: LoadOptions,
+    /// Where a model is looked for that is not in the current folder.
+    pub models: Option<PathBuf>,
+}
+
+impl Default for BakeOptions {
+    /// 243 cells an axis by 3,3,3,3,3, each that the surface meets, with materials.
+    fn default() -> Self {
+        Self {
+            grid: GridChoice::Fixed(Sequence::new(&[3; 5]).unwrap_or_else(|_| unreachable!())),
+            separation: Separation::TwentySix,
+            layout: LayoutChoice::Material,
+            load: LoadOptions::default(),
+            models: None,
+        }
+    }
+}
+
+/// How the cube is cut.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum GridChoice {
+    /// By this sequence.
+    Fixed(Sequence),
+    /// By this sequence, which must fit into so many bytes.
+    Fits(Sequence, u64),
+    /// As finely as fits into so many bytes, by a power of rho, or else by any sequence of
+    /// [`flash::mixed`].
+    Finest(Option<u8>, u64),
+}
+
+/// What a sample's word holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum LayoutChoice {
+    /// A normal of 13 bits and one of 8 materials
+    #[default]
+    Material,
+    /// A normal of 13 bits and an offset of 3 along it
+    Offset,
+}
+
+impl LayoutChoice {
+    /// The layout; offsets reach as far as leaves of this separation need them.
+    #[must_use]
+    pub fn layout(self, separation: Separation) -> Layout {
+        match (self, separation) {
+            (Self::Material, _) => Layout::MATERIAL,
+            (Self::Offset, Separation::Six) => Layout::OFFSET_THIN,
+            (Self::Offset, Separation::TwentySix) => Layout::OFFSET,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Material => "material",
+            Self::Offset => "offset",
+        }
+    }
+}
+
+/// How far a bake is, for who watches it from another thread.
+#[derive(Debug, Default)]
+pub struct Progress {
+    /// Leaves made of the present grid.
+    pub leaves: AtomicU64,
+    /// Leaves that it will about have; 0 before sampling.
+    pub expected: AtomicU64,
+}
+
+/// A baked model.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    /// The blob.
+    pub bytes: Vec<u8>,
+    /// What there is to tell of it.
+    pub report: Report,
+}
+
+/// What there is to tell of a bake.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// The model's name.
+    pub model: String,
+    /// `ply`, `obj`, ..., or `procedural`.
+    pub format: String,
+    /// Triangles in the file; none of a procedural object.
+    pub triangles: Option<u64>,
+    /// What is in the blob.
+    #[serde(flatten)]
+    pub contents: Contents,
+    /// Where the time went.
+    pub seconds: Seconds,
+    /// Grids that were sampled until the finest was found; 1 without a limit.
+    pub bakes: u32,
+    /// The most memory used, by the kernel's count, else as foreseen.
+    pub peak_memory_bytes: u64,
+    /// What the user should know, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Where the time went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Seconds {
+    /// Finding and reading the model.
+    pub read: f64,
+    /// Cutting the cube and sampling the surface, of all grids tried.
+    pub sample: f64,
+    /// Choosing materials and writing the bytes, of all grids tried.
+    pub encode: f64,
+    /// Putting them into the file.
+    pub write: f64,
+    /// From start to end.
+    pub total: f64,
+}
+
+/// Bakes `model`, as [`source::open`] finds it. The bytes depend on the model and the options
+/// alone, not on the number of threads.
+///
+/// # Errors
+/// Exit 2 with the model's name: it cannot be read, has no surface in the grid, needs more memory
+/// than allowed, or does not fit into the flash.
+pub fn bake(model: &str, options: &BakeOptions, progress: &Progress) -> Outcome<Baked> {
+    let started = Instant::now();
+    let model = source::open(model, options.models.as_deref(), &options.load)?;
+    let mut seconds = Seconds {
+        read: started.elapsed().as_secs_f64(),
+        ..Seconds::default()
+    };
+    let made = match &model.shape {
+        Shape::Mesh(mesh, _) => {
+            let held = held_bytes(mesh);
+            if held > options.load.memory_limit {
+                return Err(Failure::input(format!(
+                    "{}: the model alone takes {} of memory, and the limit is {}",
+                    model.name,
+                    size(held),
+                    size(options.load.memory_limit)
+                ))
+                .help("raise the limit with --memory, or decimate the model"));
+            }
+            let ready = Instant::now();
+            let geometry = Triangles::new(mesh);
+            seconds.sample = ready.elapsed().as_secs_f64();
+            Baker::new(&model, &geometry, held, options, progress).bake(&mut seconds)
+        }
+        Shape::Procedural(object) => {
+            Baker::new(&model, &**object, 0, options, progress).bake(&mut seconds)
+        }
+    }?;
+    let file = BlobFile::from_bytes(&made.bytes, &*model.name);
+    let contents = Contents::of(&file.blob()?);
+    seconds.total = started.elapsed().as_secs_f64();
+    let triangles = model.triangles();
+    let format = model.format();
+    let mut warnings = model.warnings;
+    warnings.extend(made.warning);
+    Ok(Baked {
+        bytes: made.bytes,
+        report: Report {
+            model: model.name,
+            format,
+            triangles,
+            contents,
+            bakes: made.bakes,
+            peak_memory_bytes: peak_memory().unwrap_or(made.memory),
+            warnings,
+            seconds,
+        },
+    })
+}
+
+/// The mesh and what [`Triangles`] adds to it, in bytes.
+fn held_bytes(mesh: &Mesh) -> u64 {
+    let corners = mesh.triangles.len() * size_of::<Corners>();
+    let mesh = size_of_val(&*mesh.positions)
+        + size_of_val(&*mesh.normals)
+        + size_of_val(&*mesh.colours)
+        + size_of_val(&*mesh.triangles);
+    (mesh + corners) as u64
+}
+
+/// What baking a grid leaves.
+struct Made {
+    bytes: Vec<u8>,
+    warning: Option<String>,
+    /// How many grids were made until this one was chosen.
+    bakes: u32,
+    /// About the most memory used.
+    memory: u64,
+}
+
+/// An object and how it is baked.
+struct Baker<'a, G: ?Sized> {
+    model: &'a Model,
+    geometry: &'a G,
+    /// Memory that the geometry takes.
+    held: u64,
+    options: &'a BakeOptions,
+    progress: &'a Progress,
+}
+
+impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
+    fn new(
+        model: &'a Model,
+        geometry: &'a G,
+        held: u64,
+        options: &'a BakeOptions,
+        progress: &'a Progress,
+    ) -> Self {
+        Self {
+            model,
+            geometry,
+            held,
+            options,
+            progress,
+        }
+    }
+
+    /// The blob of the grid that the options ask for.
+    fn bake(&self, seconds: &mut Seconds) -> Outcome<Made> {
+        let name = &self.model.name;
+        let (candidates, limit) = match &self.options.grid {
+            GridChoice::Fixed(sequence) => return self.one(sequence, seconds),
+            GridChoice::Fits(sequence, limit) => {
+                let made = self.one(sequence, seconds)?;
+                let bytes = made.bytes.len() as u64;
+                if bytes <= *limit {
+                    return Ok(made);
+                }
+                let help = self.what_would_fit(sequence, *limit)?;
+                return Err(Failure::input(format!(
+                    "{name}: the blob has {} bytes ({} cells an axis) and does not fit by {}",
+                    thousands(bytes),
+                    sequence.cells(),
+                    thousands(bytes - limit)
+                ))
+                .help(help));
+            }
+            GridChoice::Finest(rho, limit) => (rho.map_or_else(flash::mixed, flash::powers), limit),
+        };
+        match self.finest(&candidates, *limit, seconds)? {
+            Found::Fits(_, made) => Ok(made),
+            Found::NeedsAtLeast(bytes) => Err(Failure::input(format!(
+                "{name} does not fit into {} bytes: the blob needs at least {} bytes ({} cells an \
+                 axis)",
+                thousands(*limit),
+                thousands(bytes),
+                candidates[0].cells()
+            ))
+            .help("raise --flash, or try --thin, which needs fewer samples")),
+        }
+    }
+
+    /// The finest of the candidates that fits into `limit` bytes.
+    fn finest(
+        &self,
+        candidates: &[Sequence],
+        limit: u64,
+        seconds: &mut Seconds,
+    ) -> Outcome<Found<Made>> {
+        let foreseen: Vec<u64> = candidates
+            .par_iter()
+            .map(|sequence| self.foreseen_bytes(sequence))
+            .collect();
+        let mut bakes = 0;
+        let found = flash::finest(&foreseen, limit, |index| {
+            bakes += 1;
+            let made = self.one(&candidates[index], seconds)?;
+            Ok((made.bytes.len() as u64, made))
+        })?;
+        Ok(match found {
+            Found::Fits(index, made) => Found::Fits(index, Made { bakes, ..made }),
+            none => none,
+        })
+    }
+
+    /// What to do when `sequence` does not fit: name the finest coarser one that does.
+    fn what_would_fit(&self, sequence: &Sequence, limit: u64) -> Outcome<String> {
+        let [first, rest @ ..] = sequence.as_slice() else {
+            return Ok(String::new());
+        };
+        let mut coarser = if rest.iter().all(|rho| rho == first) {
+            flash::powers(*first)
+        } else {
+            flash::mixed()
+        };
+        coarser.retain(|candidate| candidate.cells() < sequence.cells());
+        Ok(
+            match self.finest(&coarser, limit, &mut Seconds::default())? {
+                Found::Fits(index, made) => format!(
+                    "{} ({} cells) would: {}",
+                    coarser[index],
+                    coarser[index].cells(),
+                    size(made.bytes.len() as u64)
+                ),
+                Found::NeedsAtLeast(0) => "raise --flash".to_owned(),
+                Found::NeedsAtLeast(bytes) => format!(
+                    "the blob needs at least {} bytes ({} cells an axis)",
+                    thousands(bytes),
+                    coarser[0].cells()
+                ),
+            },
+        )
+    }
+
+    fn sampling(&self, sequence: &Sequence) -> Sampling {
+        Sampling {
+            sequence: sequence.clone(),
+            separation: self.options.separation,
+            memory: self.options.load.memory_limit.saturating_sub(self.held),
+        }
+    }
+
+    /// About how many bytes the blob will have.
+    fn foreseen_bytes(&self, sequence: &Sequence) -> u64 {
+        /// Of a blob of nothing: header, directory, page table, origin, a material, a grid.
+        const FIXED: f64 = 450.0;
+        let leaves = self.sampling(sequence).expected_leaves(self.geometry);
+        let word = f64::from(self.layout().word_bytes);
+        let mut level = leaves as f64;
+        let mut bytes = FIXED + level * word;
+        for &rho in sequence.as_slice().iter().rev() {
+            level = (level / f64::from(rho).powi(2)).max(1.0);
+            let mask = f64::from(4 * mask_words(rho, 4) as u32) / 4.0;
+            bytes += level * (word + mask + 2.0);
+        }
+        bytes as u64
+    }
+
+    fn layout(&self) -> Layout {
+        self.options.layout.layout(self.options.separation)
+    }
+
+    /// Samples one grid and encodes it.
+    fn one(&self, sequence: &Sequence, seconds: &mut Seconds) -> Outcome<Made> {
+        let started = Instant::now();
+        let sampling = self.sampling(sequence);
+        self.progress.leaves.store(0, Ordering::Relaxed);
+        let expected = sampling.expected_leaves(self.geometry);
+        self.progress.expected.store(expected, Ordering::Relaxed);
+        let tree = sampling
+            .sample(self.geometry, &self.progress.leaves)
+            .map_err(|failure| Failure {
+                message: format!("{}: {}", self.model.name, failure.message),
+                ..failure
+            })?;
+        let sampled = Instant::now();
+        seconds.sample += (sampled - started).as_secs_f64();
+        let (palette, warning) = palette(&tree, self.layout());
+        let encoding = Encoding {
+            layout: self.layout(),
+            palette,
+            origin: self.origin(sequence),
+        };
+        let bytes = encode(&tree, &encoding);
+        seconds.encode += sampled.elapsed().as_secs_f64();
+        Ok(Made {
+            bytes,
+            warning,
+            bakes: 1,
+            memory: self.held + sampling.expected_memory(self.geometry),
+        })
+    }
+
+    /// Where the blob comes from. The options are written as flags that bake it again.
+    fn origin(&self, sequence: &Sequence) -> String {
+        let BakeOptions {
+            separation,
+            layout,
+            load,
+            ..
+        } = self.options;
+        let thin = match separation {
+            Separation::TwentySix => "",
+            Separation::Six => " --thin",
+        };
+        let up = match load.up {
+            Up::Y => "y",
+            Up::Z => "z",
+        };
+        let white = if load.white { " --white" } else { "" };
+        let mut origin = format!(
+            "generator=rho {}\noptions=--rho {sequence}{thin} --layout {} --up {up}{white}\n\
+             source={}\n",
+            env!("CARGO_PKG_VERSION"),
+            layout.name(),
+            // A line's end in a name would begin another line.
+            self.model.name.replace(char::is_control, "?"),
+        );
+        if let Some(triangles) = self.model.triangles() {
+            origin += &format!("triangles={triangles}\n");
+        }
+        origin
+    }
+}
+
+/// The colours of the leaves as materials, and what is lost by that.
+fn palette(tree: &Tree, layout: Layout) -> (Palette, Option<String>) {
+    let leaves = || {
+        let leaves = tree.levels.last();
+        leaves.into_iter().flat_map(|level| &level.samples)
+    };
+    let palette = Palette::of(leaves().map(|sample| sample.colour));
+    if layout.material == 0 && palette.colours().len() > 1 {
+        let mut sum = [0_u64; 3];
+        for sample in leaves() {
+            for (sum, channel) in sum.iter_mut().zip(sample.colour) {
+                *sum += u64::from(channel);
+            }
+        }
+        let n = tree.leaves().max(1) as u64;
+        let mean = sum.map(|sum| ((sum + n / 2) / n) as u8);
+        let warning = "this layout has no room for colours: all became their mean";
+        return (Palette::of(std::iter::once(mean)), Some(warning.to_owned()));
+    }
+    let kept = leaves().all(|sample| palette.colours().contains(&sample.colour));
+    let warning = (!kept).then(|| {
+        format!(
+            "the model's colours were gathered into {} materials",
+            palette.colours().len()
+        )
+    });
+    (palette, warning)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{TreeLevel, TreeSample};
+
+    const TRIANGLE: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0.3\nf 1 2 3\n";
+
+    fn bake_triangle(name: &str, options: &BakeOptions) -> Outcome<Baked> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(name), TRIANGLE).unwrap();
+        let options = BakeOptions {
+            models: Some(folder.path().to_owned()),
+            ..options.clone()
+        };
+        bake(name, &options, &Progress::default())
+    }
+
+    #[test]
+    fn the_origin_tells_how_to_bake_it_again_and_names_no_folder() {
+        let options = BakeOptions {
+            grid: GridChoice::Finest(None, 2000),
+            separation: Separation::Six,
+            layout: LayoutChoice::Offset,
+            ..BakeOptions::default()
+        };
+        let baked = bake_triangle("a\nb.obj", &options).unwrap();
+        let origin = &baked.report.contents.origin;
+        let sequence = baked.report.contents.grids[0].sequence();
+        assert_eq!(
+            origin["options"],
+            format!("--rho {sequence} --thin --layout offset --up y")
+        );
+        assert_eq!(
+            (&*origin["source"], &*origin["triangles"]),
+            ("a?b.obj", "1")
+        );
+        assert_eq!(origin.len(), 4);
+    }
+
+    #[test]
+    fn sizes_are_foreseen_to_a_tenth() {
+        let model = source::open("teapot", None, &LoadOptions::default()).unwrap();
+        let Shape::Procedural(object) = &model.shape else {
+            panic!("no file");
+        };
+        let (options, progress) = (BakeOptions::default(), Progress::default());
+        let baker = Baker::new(&model, &**object, 0, &options, &progress);
+        for sequence in [&[4, 3, 3][..], &[2, 3, 3, 3], &[5, 5, 3], &[2; 6]] {
+            let sequence = Sequence::new(sequence).unwrap();
+            let truth = baker.one(&sequence, &mut Seconds::default()).unwrap();
+            let ratio = baker.foreseen_bytes(&sequence) as f64 / truth.bytes.len() as f64;
+            assert!((0.9..1.1).contains(&ratio), "{sequence} {ratio}");
+        }
+    }
+
+    #[test]
+    fn colours_are_kept_gathered_or_averaged() {
+        let coloured = |n: usize| {
+            let mut tree = Tree {
+                sequence: vec![2],
+                separation: Separation::TwentySix,
+                levels: vec![TreeLevel::default(); 2],
+            };
+            tree.levels[1].samples = (0..n)
+                .map(|i| TreeSample {
+                    normal: glam::Vec3::Y,
+                    offset: 0.0,
+                    colour: [20 * i as u8, 0, 0],
+                })
+                .collect();
+            tree
+        };
+        let (palette_8, warning) = palette(&coloured(8), Layout::MATERIAL);
+        assert_eq!((palette_8.colours().len(), warning), (8, None));
+        let (palette_9, warning) = palette(&coloured(9), Layout::MATERIAL);
+        assert_eq!(palette_9.colours().len(), 8);
+        assert!(warning.unwrap().contains("8 materials"));
+        let (mean, warning) = palette(&coloured(9), Layout::OFFSET);
+        assert_eq!(mean.colours(), [[80, 0, 0]]);
+        assert!(warning.is_some());
+    }
+}

@@ -1,0 +1,78 @@
+//! `rho info`: what is in a blob.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use crate::blob_file::BlobFile;
+use crate::contents::Contents;
+use crate::failure::Outcome;
+use crate::text::thousands;
+
+const EXAMPLES: &str = "\
+Examples:
+  rho info bunny.rho
+  rho info bunny.rho --json
+
+alpha is the number of children of a node above the leaves: rho squared on a flat surface. A
+blob that is damaged, cut short or of a newer version is refused with the reason (exit 2).";
+
+/// Tell what is in a blob: grids, samples, bytes
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Info {
+    /// A blob that `rho bake` wrote; - for standard input
+    #[arg(value_name = "OUT.rho")]
+    pub blob: PathBuf,
+    /// The same as one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl Info {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// Exit 2: the file cannot be read or is not a valid blob.
+    pub fn run(&self) -> Outcome {
+        let file = BlobFile::read(&self.blob)?;
+        let contents = Contents::of(&file.blob()?);
+        if self.json {
+            println!("{}", json!(contents));
+        } else {
+            print(&contents);
+        }
+        Ok(())
+    }
+}
+
+fn print(contents: &Contents) {
+    for (key, value) in &contents.origin {
+        println!("{key:<12} {value}");
+    }
+    for (index, grid) in contents.grids.iter().enumerate() {
+        println!(
+            "grid {index:<7} {}, {}-separating, {}, alpha {:.3}",
+            grid.sequence(),
+            grid.separation,
+            grid.layout,
+            grid.alpha
+        );
+        println!("{:>18}  {:>12}", "cells an axis", "nodes");
+        for (cells, nodes) in grid.cells.iter().zip(&grid.nodes_by_level) {
+            println!("{cells:>18}  {:>12}", thousands(*nodes));
+        }
+    }
+    println!("nodes        {}", thousands(contents.nodes));
+    println!("leaf samples {}", thousands(contents.leaf_samples));
+    println!("materials    {}", contents.materials.len());
+    for (name, bytes) in contents.bytes.iter().filter(|(name, _)| *name != "total") {
+        println!("  {name:<16}  {:>12}", thousands(*bytes));
+    }
+    println!(
+        "bytes               {:>12}, {:.3} a leaf",
+        thousands(contents.total_bytes()),
+        contents.bytes_per_leaf
+    );
+}
