@@ -34,8 +34,7 @@ fn draw(view: &View, mode: Mode) -> Drawn {
 }
 
 /// The frame of the default mode against 5x5 rays a pixel.
-fn measure(view: StandardView) -> Comparison {
-    let view = View::from(view);
+fn measure(view: View) -> Comparison {
     let drawn = draw(&view, Mode::default());
     let truth = caster().render(&Shot::standard(view), &|| ()).unwrap();
     let (width, height) = (drawn.width.into(), drawn.height.into());
@@ -63,12 +62,36 @@ fn the_standard_views_are_as_near_to_the_truth_as_they_were() {
         (StandardView::NearTurned, 0.96, 25.0), // 0.962, 25.70 dB
         (StandardView::FarTurned, 0.96, 25.0),  // 0.966, 26.25 dB
     ] {
-        let measured = measure(view);
+        let measured = measure(view.into());
         println!("{}: {measured:?}", view.name());
         assert_eq!(measured.holes, 0, "{}", view.name());
         assert!(measured.iou >= iou, "{}: IoU {}", view.name(), measured.iou);
         let inside = measured.psnr_inside.unwrap();
         assert!(inside >= psnr, "{}: {inside} dB", view.name());
+    }
+}
+
+/// Where the eye is within a few cells of the surface, bounds that many cells share would be
+/// far too wide, and one cell would fill the picture.
+#[test]
+fn a_surface_right_before_the_eye_is_as_near_to_the_truth_as_one_far_away() {
+    for (distance, yaw, pitch, psnr) in [
+        (0.3, -40.0, -41.0, 35.0),    // 36.0 dB
+        (0.5643, -40.8, -41.8, 29.0), // 29.9 dB
+        (0.6, 30.0, 20.0, 32.0),      // 32.9 dB
+        (0.8, 30.0, 20.0, 31.0),      // 31.5 dB
+    ] {
+        let measured = measure(View {
+            distance,
+            yaw,
+            pitch,
+            ..StandardView::Near.into()
+        });
+        println!("{distance}: {measured:?}");
+        assert_eq!(measured.holes, 0, "{distance}");
+        assert!(measured.iou >= 0.97, "{distance}: IoU {}", measured.iou);
+        let inside = measured.psnr_inside.unwrap();
+        assert!(inside >= psnr, "{distance}: {inside} dB");
     }
 }
 
@@ -147,9 +170,17 @@ fn misses(view: View, mode: Mode, truth: &Depth) -> Misses {
     misses
 }
 
+/// A ray through a pixel's centre that meets the model passes through a leaf, whose box holds
+/// that centre. So no covered pixel may stay open, and in the z-buffer none may show what lies
+/// behind that leaf: both to the pixel, without exception.
+///
+/// In eye order a leaf that lies behind may come first, where none of its points but only its
+/// box's overhang is hidden by the nearer one: 96 of 3.8 million pixels. Boxes that overhang what lies behind
+/// them, and whose depth is that of their centre, show something more than two cells in front
+/// of the model at about a ninth of the pixels, on surfaces seen at a grazing angle.
 #[test]
 fn every_pixel_whose_centre_the_model_covers_is_drawn_from_everywhere() {
-    let mut report = String::new();
+    let mut holes = String::new();
     let mut totals = [Misses::default(); 2];
     for view in views() {
         let shot = Shot {
@@ -163,23 +194,21 @@ fn every_pixel_whose_centre_the_model_covers_is_drawn_from_everywhere() {
                 footprint: FootprintMode::Box,
                 ..Mode::default()
             };
-            let m = misses(view, mode, &truth.depth);
-            total.covered += m.covered;
-            total.holes += m.holes;
-            total.before += m.before;
-            total.behind += m.behind;
-            println!(
-                "{} {:.3} z{:.2} fov{:.0}: {m:?}",
-                visibility.name(),
-                view.distance,
-                view.zoom,
-                view.fov
-            );
-            if m.holes > 0 {
-                let _ = writeln!(report, "{visibility} {view:?}: {m:?}");
+            let misses = misses(view, mode, &truth.depth);
+            total.covered += misses.covered;
+            total.holes += misses.holes;
+            total.before += misses.before;
+            total.behind += misses.behind;
+            if misses.holes > 0 {
+                let _ = writeln!(holes, "{visibility} {view:?}: {misses:?}");
             }
         }
     }
-    println!("{totals:?}");
-    assert!(report.is_empty(), "holes:\n{report}");
+    println!("eye, z: {totals:?}");
+    let [eye, z] = totals;
+    assert!(eye.covered > 3_000_000);
+    assert!(holes.is_empty(), "{holes}");
+    assert_eq!(z.behind, 0);
+    assert!(eye.behind * 10_000 <= eye.covered, "{eye:?}");
+    assert!(z.before * 8 <= z.covered, "{z:?}");
 }

@@ -12,9 +12,10 @@
 //! It is the paper's recursive Render (sections 5.1, 5.2) with a stack of its own, bounded by the
 //! number of subdivisions, in the order of [`super::order`]. Departures: the extent is bounded a
 //! parent, not a cell, and exactly ([`View::half`]); within a block the leaves stand at affine
-//! steps from their parents, with a bound on the error ([`View::steps`]); cells that come too near to the eye to be
-//! projected (a division by next to nothing) are bounded by interval arithmetic instead, so that
-//! nothing overflows and nothing in view is lost.
+//! steps from their parents, with a bound on the error ([`View::steps`]); near the eye,
+//! where neither holds well, each cell is bounded alone, also by interval arithmetic, which needs
+//! no projection (a division by next to nothing), so that nothing overflows, nothing in view is
+//! lost and nothing small looks large.
 
 use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
@@ -142,7 +143,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             let half = self.view.half::<R>(level, [x, y], Half::default(), nearest);
             self.bounds(x, y, half)
         } else {
-            self.near_bounds(centre, level)?
+            self.near_bounds::<R>(centre, level)?
         };
         Some(Cell {
             node: 0,
@@ -185,8 +186,10 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         let axis = [cell.bounds.x - mx, cell.bounds.y - my];
         let dw = self.level(level).half.w;
         let nearest = cell.centre.w - dw;
-        open.half =
-            (nearest >= self.view.near).then(|| self.view.half::<R>(children, axis, own, nearest));
+        // What the children share is taken at the smallest W of all: at most twice too wide here,
+        // and without bound nearer to the eye, where each child has its own.
+        open.half = (nearest >= self.view.near.max(3 * dw))
+            .then(|| self.view.half::<R>(children, axis, own, nearest));
 
         // A block: every child is opened, every grandchild is drawn.
         let (Some(half), Some(below)) = (open.half, self.grid.levels().get(level + 1)) else {
@@ -405,7 +408,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
                 let (x, y) = self.on_screen::<R>(centre);
                 self.bounds(x, y, half)
             }
-            None => self.near_bounds(centre, self.level(level + 1))?,
+            None => self.near_bounds::<R>(centre, self.level(level + 1))?,
         };
         let reach = self.clip(F::reach(bounds))?;
         let rho = self.grid.levels().get(level)?.rho;
@@ -484,30 +487,38 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         .rect()
     }
 
-    /// Bounds of a cell that the eye may be in or very near to; `None` when it is behind.
+    /// Bounds of a cell near the eye, which may be in it; `None` when it is behind.
     ///
     /// X and W range independently, W from the eye's plane on: wider than exact, and never too
-    /// narrow.
+    /// narrow. Where the whole cell can be projected, its own extent bounds it too.
     #[cold]
-    fn near_bounds(&self, centre: Homogeneous, level: &LevelView) -> Option<Bounds> {
+    fn near_bounds<R: Reciprocal>(&self, centre: Homogeneous, level: &LevelView) -> Option<Bounds> {
         let w = (centre.w - level.half.w, centre.w + level.half.w);
         if w.1 < 1 {
             return None;
         }
+        let nearest = w.0;
         let w = (w.0.max(1), w.1);
-        let (x, half_x) = self.interval(centre.x, level.half.x, w);
-        let (y, half_y) = self.interval(centre.y, level.half.y, w);
-        Some(self.bounds(
-            x,
-            y,
-            Half {
-                x: half_x,
-                y: half_y,
-            },
-        ))
+        let mut x = self.interval(centre.x, level.half.x, w);
+        let mut y = self.interval(centre.y, level.half.y, w);
+        if nearest >= self.view.near {
+            let at = self.on_screen::<R>(centre);
+            let half = Half::default();
+            let half = self.view.half::<R>(level, [at.0, at.1], half, nearest);
+            let both = |a: (i32, i32), at: i32, half: i32| (a.0.max(at - half), a.1.min(at + half));
+            x = both(x, at.0, half.x);
+            y = both(y, at.1, half.y);
+        }
+        let middle = |(low, high): (i32, i32)| (low + high) >> 1;
+        let (mx, my) = (middle(x), middle(y));
+        let half = Half {
+            x: x.1 - mx,
+            y: y.1 - my,
+        };
+        Some(self.bounds(mx, my, half))
     }
 
-    /// Centre and half extent, Q8, of (v - half ..= v + half) / w, cut at 2^22 pixels.
+    /// First and last, Q8, of (v - half ..= v + half) / w, cut at 2^20 pixels.
     fn interval(&self, v: i32, half: i32, w: (i32, i32)) -> (i32, i32) {
         let over = |v: i32, w: i32| {
             // Q8 = X / W * 2^(30 - k)
@@ -517,10 +528,10 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             (v / w.max(1)).clamp(-(1 << 28), 1 << 28) as i32
         };
         let (low, high) = (v - half, v + half);
-        let low = over(low, if low < 0 { w.0 } else { w.1 }) - 1;
-        let high = over(high, if high > 0 { w.0 } else { w.1 }) + 1;
-        let middle = (low + high) >> 1;
-        (middle, high - middle)
+        (
+            over(low, if low < 0 { w.0 } else { w.1 }) - 1,
+            over(high, if high > 0 { w.0 } else { w.1 }) + 1,
+        )
     }
 
     #[inline(always)]
