@@ -40,7 +40,8 @@ impl Case<'_> {
         )
         .unwrap();
         let complain = |what: String| Some(format!("{what}: {} {:?}", self.name, request.line()));
-        let device = match ask(&request.line(), Some(self.blob.bytes())).and_then(|run| run.done())
+        let device = match ask(&request.line(), Some(self.blob.bytes()))
+            .and_then(host_tools::device::Run::done)
         {
             Ok(run) => run,
             Err(failure) => return complain(failure.to_string()),
