@@ -23,6 +23,8 @@ pub enum FootprintMode {
     Splat,
     /// Every pixel whose centre lies in the projected bounds of its cell.
     Box,
+    /// Every pixel whose centre lies in a disc in its tangent plane, moved by its offset.
+    Disc,
 }
 
 /// How 1/w is found; both give the same integer.
@@ -108,8 +110,9 @@ macro_rules! names {
 
 names!(VisibilityMode, "eye, z", VisibilityMode::Eye => "eye", VisibilityMode::Z => "z");
 names!(
-    FootprintMode, "point, splat, box",
-    FootprintMode::Point => "point", FootprintMode::Splat => "splat", FootprintMode::Box => "box"
+    FootprintMode, "point, splat, box, disc",
+    FootprintMode::Point => "point", FootprintMode::Splat => "splat",
+    FootprintMode::Box => "box", FootprintMode::Disc => "disc"
 );
 names!(
     ReciprocalMode, "divide, table",
@@ -137,7 +140,7 @@ mod tests {
     fn an_unknown_name_is_an_error_that_lists_the_known_ones() {
         assert_eq!(
             "disk".parse::<FootprintMode>().unwrap_err().expected,
-            "point, splat, box"
+            "point, splat, box, disc"
         );
     }
 }

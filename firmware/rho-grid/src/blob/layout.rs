@@ -103,6 +103,14 @@ impl Layout {
         word & mask(self.material)
     }
 
+    /// The offset along the normal in sides of the cell, times 256.
+    #[inline(always)]
+    #[must_use]
+    pub const fn offset_q8(self, word: u32) -> i32 {
+        let odd = 2 * self.offset_of(word) as i32 + 1 - (1 << self.offset);
+        (odd * 2 * self.offset_range as i32) >> self.offset
+    }
+
     /// The offset step nearest to `sides` (a signed length in sides of the cell, times 2^16).
     #[must_use]
     pub const fn offset_step(self, sides_q16: i32) -> u32 {
@@ -164,6 +172,9 @@ mod tests {
         for step in 0..8i32 {
             assert_eq!(thin.offset_step((2 * step - 7) * 65536 / 16), step as u32);
         }
+        assert_eq!(thin.offset_q8(thin.pack(0, 7, 0, 0)), 7 * 256 / 16);
+        assert_eq!(thin.offset_q8(thin.pack(0, 0, 0, 0)), -7 * 256 / 16);
+        assert_eq!(Layout::MATERIAL.offset_q8(0xFFFF), 0);
         assert_eq!(thin.offset_step(-70000), 0);
         assert_eq!(thin.offset_step(70000), 7);
     }

@@ -32,6 +32,10 @@ impl Pixels {
 /// Cells of the same extent are asked about together: what follows from the extent alone is in
 /// the rule's own type, made once.
 pub trait Footprint: Copy {
+    /// Whether samples are drawn as discs where the projection allows it; what follows then serves
+    /// the cells where it does not.
+    const DISCS: bool = false;
+
     /// For cells of this half extent along x and y, Q8, whose centres are given with `Q` bits
     /// after the point: 8 or 16.
     fn of<const Q: u32>(half_x: i32, half_y: i32) -> Self;
@@ -142,6 +146,35 @@ impl Footprint for PixelCentre {
         // The bounds of subcells are wider than exact by their slack; so are these, and by more.
         let wider = |half: i32| half + (half >> 6) + 8;
         Self::of::<8>(wider(b.half_x), wider(b.half_y)).cover::<8>(b.x, b.y)
+    }
+}
+
+/// A disc in the sample's tangent plane, moved along its normal by its offset: every pixel whose
+/// centre it holds.
+///
+/// Cells which are too near or too large for that are drawn as [`PixelCentre`] has them.
+#[derive(Clone, Copy, Debug)]
+pub struct Disc(PixelCentre);
+
+impl Footprint for Disc {
+    const DISCS: bool = true;
+
+    #[inline(always)]
+    fn of<const Q: u32>(half_x: i32, half_y: i32) -> Self {
+        Self(PixelCentre::of::<Q>(half_x, half_y))
+    }
+
+    #[inline(always)]
+    fn cover<const Q: u32>(self, x: i32, y: i32) -> Pixels {
+        self.0.cover::<Q>(x, y)
+    }
+
+    #[inline(always)]
+    fn reach(b: Bounds) -> Pixels {
+        // A disc of radius 0.9 moved by 0.87 sides reaches at most 1.26 sides from its cell's
+        // centre, so 0.76 sides beyond it, and its cell is at most half as large as this one.
+        let wider = |half: i32| half + half - (half >> 2) + 8;
+        PixelCentre::of::<8>(wider(b.half_x), wider(b.half_y)).cover::<8>(b.x, b.y)
     }
 }
 

@@ -9,6 +9,7 @@
 //! [`Reciprocal`](crate::reciprocal::Reciprocal). [`draw`] is compiled for each combination that a
 //! board uses; [`draw_mode`] has them all and is for boards and hosts that choose at run time.
 
+mod disc;
 pub mod footprint;
 mod order;
 mod project;
@@ -25,7 +26,7 @@ use crate::frame::Frame;
 use crate::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
 use crate::reciprocal::{Divide, Table};
 use crate::shading::Shading;
-use footprint::{Footprint, PixelCentre, Point, Splat};
+use footprint::{Disc, Footprint, PixelCentre, Point, Splat};
 
 /// What a visibility method remembers about each pixel; a board has what its modes need.
 #[derive(Debug, Default)]
@@ -87,6 +88,7 @@ pub fn draw_seen<V: Visibility>(
         FootprintMode::Point => draw_shaped::<V, Point>(mode, grid, view, shading, target),
         FootprintMode::Splat => draw_shaped::<V, Splat>(mode, grid, view, shading, target),
         FootprintMode::Box => draw_shaped::<V, PixelCentre>(mode, grid, view, shading, target),
+        FootprintMode::Disc => draw_shaped::<V, Disc>(mode, grid, view, shading, target),
     }
 }
 

@@ -12,10 +12,12 @@
 //! It is the paper's recursive Render (sections 5.1, 5.2) with a stack of its own, bounded by the
 //! number of subdivisions, in the order of [`super::order`]. Departures: the extent is bounded a
 //! parent, not a cell, and exactly ([`View::half`]); within a block the leaves stand at affine
-//! steps from their parents, with a bound on the error ([`View::steps`]); cells that come too near to the eye to be
-//! projected (a division by next to nothing) are bounded by interval arithmetic instead, so that
-//! nothing overflows and nothing in view is lost.
+//! steps from their parents, with a bound on the error ([`View::steps`]); near the eye,
+//! where neither holds well, each cell is bounded alone, also by interval arithmetic, which needs
+//! no projection (a division by next to nothing), so that nothing overflows, nothing in view is
+//! lost and nothing small looks large.
 
+use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
 use super::order::{self, List, Order};
 use super::project::{Bounds, Homogeneous, OverW};
@@ -141,7 +143,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             let half = self.view.half::<R>(level, [x, y], Half::default(), nearest);
             self.bounds(x, y, half)
         } else {
-            self.near_bounds(centre, level)?
+            self.near_bounds::<R>(centre, level)?
         };
         Some(Cell {
             node: 0,
@@ -184,8 +186,10 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         let axis = [cell.bounds.x - mx, cell.bounds.y - my];
         let dw = self.level(level).half.w;
         let nearest = cell.centre.w - dw;
-        open.half =
-            (nearest >= self.view.near).then(|| self.view.half::<R>(children, axis, own, nearest));
+        // What the children share is taken at the smallest W of all: at most twice too wide here,
+        // and without bound nearer to the eye, where each child has its own.
+        open.half = (nearest >= self.view.near.max(3 * dw))
+            .then(|| self.view.half::<R>(children, axis, own, nearest));
 
         // A block: every child is opened, every grandchild is drawn.
         let (Some(half), Some(below)) = (open.half, self.grid.levels().get(level + 1)) else {
@@ -207,11 +211,20 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         ) else {
             return true;
         };
+        // Discs too large for their numbers are drawn one by one, as boxes.
+        let discs = if F::DISCS {
+            Discs::new(&steps.steps, self.grid.layout())
+        } else {
+            Some(Discs::NONE)
+        };
+        let Some(discs) = discs else {
+            return true;
+        };
         match below.rho {
-            2 => self.block::<F, R, 2>(open, half, level, &steps, cell.bounds),
-            3 => self.block::<F, R, 3>(open, half, level, &steps, cell.bounds),
-            4 => self.block::<F, R, 4>(open, half, level, &steps, cell.bounds),
-            _ => self.block::<F, R, 5>(open, half, level, &steps, cell.bounds),
+            2 => self.block::<F, R, 2>(open, half, level, &steps, &discs, cell.bounds),
+            3 => self.block::<F, R, 3>(open, half, level, &steps, &discs, cell.bounds),
+            4 => self.block::<F, R, 4>(open, half, level, &steps, &discs, cell.bounds),
+            _ => self.block::<F, R, 5>(open, half, level, &steps, &discs, cell.bounds),
         }
         false
     }
@@ -236,6 +249,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         half: Half,
         level: usize,
         steps: &Steps,
+        discs: &Discs,
         block: Bounds,
     ) {
         let Some([nodes, below]) = self
@@ -256,7 +270,8 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         let rho = i32::from(nodes.rho);
         let [ox, oy, oz] = open.place.map(|p| p * rho);
 
-        let footprint = F::of::<16>(steps.half.x, steps.half.y);
+        let ball = if F::DISCS { discs.reach() } else { steps.half };
+        let footprint = F::of::<16>(ball.x, ball.y);
         let slabs = steps.slabs::<RHO>();
         let inside = self.is_inside(&block, steps.half);
         for &subcell in open.list.iter().take(usize::from(open.count)) {
@@ -296,6 +311,12 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
                     let subcells = RHO as u32 * (j + RHO as u32 * k);
                     for i in order.cells(row) {
                         let at = from.plus(slabs.along::<0>(i));
+                        if F::DISCS {
+                            let subcell = (subcells + i) as u8;
+                            let word = || grid.attribute(first + order::rank(&mask, subcell));
+                            self.disc(discs, footprint, at, centre_w, inside, word);
+                            continue;
+                        }
                         let pixels = footprint.cover::<16>(at.x, at.y);
                         let rect = if inside {
                             pixels.rect()
@@ -312,6 +333,59 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
                             shading.colour(grid.attribute(first + order::rank(&mask, subcell)))
                         });
                     }
+                }
+            }
+        }
+    }
+
+    /// Draws a sample as a disc. `ball` covers what any disc in its cell may reach.
+    #[inline(always)]
+    fn disc<F: Footprint>(
+        &mut self,
+        discs: &Discs,
+        ball: F,
+        at: Step,
+        w: i32,
+        inside: bool,
+        word: impl FnOnce() -> u32,
+    ) {
+        let pixels = ball.cover::<16>(at.x, at.y);
+        let rect = if inside {
+            pixels.rect()
+        } else {
+            self.clip(pixels)
+        };
+        match rect {
+            Some(rect) if !self.target.is_hidden(rect) => {}
+            _ => return,
+        }
+        let word = word();
+        let ellipse = discs.ellipse(at, word);
+        let half = ellipse.half();
+        let c = ellipse.centre;
+        // The pixels whose centres lie within the half extents.
+        let first = |c: i32, half: i32| (c - half + 32767) >> 16;
+        let last = |c: i32, half: i32| (c + half - 32768) >> 16;
+        let pixels = Pixels {
+            x: (first(c.x, half.x), last(c.x, half.x)),
+            y: (first(c.y, half.y), last(c.y, half.y)),
+        };
+        let Some(rect) = self.clip(pixels) else {
+            return;
+        };
+        let colour = self.shading.colour(word);
+        for y in rect.y0..rect.y1 + 1 {
+            let dy = ((y as i32) << 16) + 32768 - c.y;
+            for x in rect.x0..rect.x1 + 1 {
+                let dx = ((x as i32) << 16) + 32768 - c.x;
+                if ellipse.holds(dx, dy) {
+                    let pixel = Rect {
+                        x0: x,
+                        x1: x,
+                        y0: y,
+                        y1: y,
+                    };
+                    self.target.draw(pixel, w, || colour);
                 }
             }
         }
@@ -334,7 +408,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
                 let (x, y) = self.on_screen::<R>(centre);
                 self.bounds(x, y, half)
             }
-            None => self.near_bounds(centre, self.level(level + 1))?,
+            None => self.near_bounds::<R>(centre, self.level(level + 1))?,
         };
         let reach = self.clip(F::reach(bounds))?;
         let rho = self.grid.levels().get(level)?.rho;
@@ -413,30 +487,38 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         .rect()
     }
 
-    /// Bounds of a cell that the eye may be in or very near to; `None` when it is behind.
+    /// Bounds of a cell near the eye, which may be in it; `None` when it is behind.
     ///
     /// X and W range independently, W from the eye's plane on: wider than exact, and never too
-    /// narrow.
+    /// narrow. Where the whole cell can be projected, its own extent bounds it too.
     #[cold]
-    fn near_bounds(&self, centre: Homogeneous, level: &LevelView) -> Option<Bounds> {
+    fn near_bounds<R: Reciprocal>(&self, centre: Homogeneous, level: &LevelView) -> Option<Bounds> {
         let w = (centre.w - level.half.w, centre.w + level.half.w);
         if w.1 < 1 {
             return None;
         }
+        let nearest = w.0;
         let w = (w.0.max(1), w.1);
-        let (x, half_x) = self.interval(centre.x, level.half.x, w);
-        let (y, half_y) = self.interval(centre.y, level.half.y, w);
-        Some(self.bounds(
-            x,
-            y,
-            Half {
-                x: half_x,
-                y: half_y,
-            },
-        ))
+        let mut x = self.interval(centre.x, level.half.x, w);
+        let mut y = self.interval(centre.y, level.half.y, w);
+        if nearest >= self.view.near {
+            let at = self.on_screen::<R>(centre);
+            let half = Half::default();
+            let half = self.view.half::<R>(level, [at.0, at.1], half, nearest);
+            let both = |a: (i32, i32), at: i32, half: i32| (a.0.max(at - half), a.1.min(at + half));
+            x = both(x, at.0, half.x);
+            y = both(y, at.1, half.y);
+        }
+        let middle = |(low, high): (i32, i32)| (low + high) >> 1;
+        let (mx, my) = (middle(x), middle(y));
+        let half = Half {
+            x: x.1 - mx,
+            y: y.1 - my,
+        };
+        Some(self.bounds(mx, my, half))
     }
 
-    /// Centre and half extent, Q8, of (v - half ..= v + half) / w, cut at 2^22 pixels.
+    /// First and last, Q8, of (v - half ..= v + half) / w, cut at 2^20 pixels.
     fn interval(&self, v: i32, half: i32, w: (i32, i32)) -> (i32, i32) {
         let over = |v: i32, w: i32| {
             // Q8 = X / W * 2^(30 - k)
@@ -446,10 +528,10 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             (v / w.max(1)).clamp(-(1 << 28), 1 << 28) as i32
         };
         let (low, high) = (v - half, v + half);
-        let low = over(low, if low < 0 { w.0 } else { w.1 }) - 1;
-        let high = over(high, if high > 0 { w.0 } else { w.1 }) + 1;
-        let middle = (low + high) >> 1;
-        (middle, high - middle)
+        (
+            over(low, if low < 0 { w.0 } else { w.1 }) - 1,
+            over(high, if high > 0 { w.0 } else { w.1 }) + 1,
+        )
     }
 
     #[inline(always)]

@@ -1,0 +1,204 @@
+//! Samples as discs in their tangent planes.
+//!
+//! Botsch, Wiratanaya, Kobbelt 2002, section 5: a sample is a disc round its point, perpendicular to
+//! its normal, moved along the normal by the offset attribute. On the screen it is an ellipse. Within
+//! a block the projection is affine: with A the 2 x 3 matrix whose columns are the block's steps,
+//!
+//! ```text
+//! v = A n                      the normal, one cell's side long, on the screen
+//! centre + v s                 the sample moved by s sides
+//! S = r^2 (A A^T - v v^T)      the ellipse's matrix, r the disc's radius in sides
+//! p^T S^-1 p <= 1              p belongs to it:  S22 px^2 - 2 S12 px py + S11 py^2 <= det S
+//! ```
+//!
+//! since the disc is the unit ball's shadow along n. So a sample costs six multiplications for v,
+//! five for S and its determinant, and no table but that of the normals.
+//!
+//! Numbers are kept in the block's own unit, chosen so that the longest step has 15 bits: the
+//! ellipse's radius has 7 then, squares 14, products 28.
+
+use super::view::{Half, Step};
+use crate::blob::Layout;
+use crate::normal::normal;
+
+/// The disc's radius squared, in sides of a cell, times 256: r = 0.9 leaves hardly a hole between
+/// thin leaves, and larger ones cost silhouette.
+const RADIUS_SQUARED: i32 = 207;
+
+/// What a block's discs have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Discs {
+    /// The steps, 15 bits and sign.
+    steps: [Step; 3],
+    /// A step's unit is 2^exponent / 65536 pixel; an ellipse's is 512 times that.
+    exponent: u32,
+    /// A A^T in the ellipse's unit: xx, xy, yy.
+    ball: [i32; 3],
+    layout: Layout,
+}
+
+/// A disc on the screen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ellipse {
+    /// Its centre, Q16.
+    pub(super) centre: Step,
+    /// S: xx, xy, yy.
+    matrix: [i32; 3],
+    determinant: i32,
+    /// Shift from Q16 to the ellipse's unit.
+    shift: u32,
+}
+
+impl Discs {
+    pub(super) const NONE: Self = Self {
+        steps: [Step { x: 0, y: 0 }; 3],
+        exponent: 0,
+        ball: [0; 3],
+        layout: Layout::MATERIAL,
+    };
+
+    /// For cells at these steps, Q16; `None` when they are larger than a hundred pixels.
+    #[inline(always)]
+    pub(super) fn new(steps: &[Step; 3], layout: Layout) -> Option<Self> {
+        let longest = steps
+            .iter()
+            .fold(0, |most, s| most | s.x.unsigned_abs() | s.y.unsigned_abs());
+        let exponent = (32 - longest.leading_zeros()).saturating_sub(15);
+        if exponent > 7 {
+            return None;
+        }
+        let steps = steps.map(|s| Step {
+            x: s.x >> exponent,
+            y: s.y >> exponent,
+        });
+        let dot = |a: fn(&Step) -> i32, b: fn(&Step) -> i32| {
+            let sum: i64 = steps
+                .iter()
+                .map(|s| i64::from(a(s)) * i64::from(b(s)))
+                .sum();
+            (sum >> 18) as i32
+        };
+        Some(Self {
+            ball: [
+                dot(|s| s.x, |s| s.x),
+                dot(|s| s.x, |s| s.y),
+                dot(|s| s.y, |s| s.y),
+            ],
+            steps,
+            exponent,
+            layout,
+        })
+    }
+
+    /// Half extents, Q8, from a cell's centre, of what any disc in it may reach.
+    #[inline(always)]
+    pub(super) fn reach(&self) -> Half {
+        let [xx, _, yy] = self.ball;
+        // 1.26 sides with an offset range of 0.87, 1.03 with 0.5.
+        let wider = if self.layout.offset_range > 64 {
+            323
+        } else {
+            264
+        };
+        let half = |square: i32| (((root(square) << self.exponent) * wider) >> 7) + 2;
+        Half {
+            x: half(xx),
+            y: half(yy),
+        }
+    }
+
+    /// The disc of the sample with this attribute word in the cell centred at `at`.
+    #[inline(always)]
+    pub(super) fn ellipse(&self, at: Step, word: u32) -> Ellipse {
+        let n = normal(self.layout.normal_of(word)).map(|c| i32::from(c.to_bits()));
+        let [nx, ny, nz] = n;
+        let [sx, sy, sz] = self.steps;
+        // 15 + 14 bits, three of them.
+        let vx = (nx * sx.x + ny * sy.x + nz * sz.x) >> 14;
+        let vy = (nx * sx.y + ny * sy.y + nz * sz.y) >> 14;
+        let moved = self.layout.offset_q8(word);
+        let [bxx, bxy, byy] = self.ball;
+        // |v| is below 2^16: its squares are taken unsigned.
+        let square = |v: i32| ((v.unsigned_abs() * v.unsigned_abs()) >> 18) as i32;
+        let part = |ball: i32, vv: i32| ((ball - vv) * RADIUS_SQUARED) >> 8;
+        // Seen from its edge a disc is a line; at least this thick it holds the pixels it crosses.
+        let xx = part(bxx, square(vx)).max(1);
+        let yy = part(byy, square(vy)).max(1);
+        let xy = part(bxy, ((vx >> 1) * (vy >> 1)) >> 16);
+        Ellipse {
+            centre: Step {
+                x: at.x + (((vx * moved) >> 8) << self.exponent),
+                y: at.y + (((vy * moved) >> 8) << self.exponent),
+            },
+            matrix: [xx, xy, yy],
+            determinant: (xx * yy - xy * xy).max(0),
+            shift: self.exponent + 9,
+        }
+    }
+}
+
+impl Ellipse {
+    /// Half extents along x and y, Q16, rounded up.
+    #[inline(always)]
+    pub(super) fn half(&self) -> Step {
+        let [xx, _, yy] = self.matrix;
+        Step {
+            x: root(xx) << self.shift,
+            y: root(yy) << self.shift,
+        }
+    }
+
+    /// Whether it holds the point `dx`, `dy` (Q16) from its centre.
+    #[inline(always)]
+    pub(super) fn holds(&self, dx: i32, dy: i32) -> bool {
+        let (x, y) = (dx >> self.shift, dy >> self.shift);
+        let [xx, xy, yy] = self.matrix;
+        yy * x * x - 2 * xy * x * y + xx * y * y <= self.determinant
+    }
+}
+
+/// The square root of 0 to 65535, rounded up to at most 1 too large.
+#[inline(always)]
+fn root(square: i32) -> i32 {
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "evaluated by the compiler, where an index out of range is an error"
+    )]
+    static ROOTS: [u8; 256] = {
+        let mut roots = [0; 256];
+        let mut i = 0u32;
+        while i < 256 {
+            let last = i * 256 + 255;
+            let root = last.isqrt();
+            {
+                roots[i as usize] = if root < 255 { root + 1 } else { 255 } as u8;
+            }
+            i += 1;
+        }
+        roots
+    };
+    let small: &[u8; 256] = &SMALL_ROOTS;
+    let (table, index) = if square < 256 {
+        (small, square)
+    } else {
+        (&ROOTS, square >> 8)
+    };
+    i32::from(table.get(index as usize).copied().unwrap_or(255))
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+static SMALL_ROOTS: [u8; 256] = {
+    let mut roots = [0; 256];
+    let mut i = 0u32;
+    while i < 256 {
+        let root = i.isqrt();
+        {
+            roots[i as usize] = if root * root < i { root + 1 } else { root } as u8;
+        }
+        i += 1;
+    }
+    roots
+};
