@@ -104,7 +104,7 @@ fn the_bunny_near_takes_at_most_14_million_instructions() {
         mode: Mode::default(),
     });
     let run = ask(&request.line(), Some(blob().bytes()))
-        .and_then(|run| run.done())
+        .and_then(host_tools::device::Run::done)
         .unwrap_or_else(|failure| panic!("{failure}"));
     let instructions = run.report.phases.frame();
     assert!(instructions <= 14_000_000, "{instructions}");
