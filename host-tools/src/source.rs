@@ -55,6 +55,8 @@ pub struct Model {
     pub name: String,
     /// What it is made of.
     pub shape: Shape,
+    /// Its colours are ignored.
+    pub white: bool,
     /// What the user should know, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -73,7 +75,13 @@ impl Model {
     pub fn mesh(&self) -> Cow<'_, Mesh> {
         match &self.shape {
             Shape::Mesh(mesh, _) => Cow::Borrowed(mesh),
-            Shape::Procedural(object) => object.mesh(),
+            Shape::Procedural(object) => {
+                let mut mesh = object.mesh();
+                if self.white && !mesh.colours.is_empty() {
+                    mesh.to_mut().colours.clear();
+                }
+                mesh
+            }
         }
     }
 
@@ -110,6 +118,7 @@ pub fn open(model: &str, models: Option<&Path>, options: &LoadOptions) -> Outcom
         return Ok(Model {
             name: model.to_owned(),
             shape: Shape::Procedural(object),
+            white: options.white,
             warnings,
         });
     }
@@ -128,6 +137,7 @@ pub fn open(model: &str, models: Option<&Path>, options: &LoadOptions) -> Outcom
     Ok(Model {
         name,
         shape: Shape::Mesh(loaded.mesh, loaded.source),
+        white: options.white,
         warnings: loaded.warnings,
     })
 }
@@ -206,12 +216,16 @@ mod tests {
         let model = open_plain("teapot", None).unwrap();
         assert_eq!((&*model.name, &*model.format()), ("teapot", "procedural"));
         assert!(!model.mesh().triangles.is_empty());
+        assert!(!model.mesh().colours.is_empty());
         assert!(model.warnings.is_empty());
-        let turned = LoadOptions {
+        let options = LoadOptions {
             up: Up::Z,
+            white: true,
             ..LoadOptions::default()
         };
-        assert_eq!(open("teapot", None, &turned).unwrap().warnings.len(), 1);
+        let model = open("teapot", None, &options).unwrap();
+        assert_eq!(model.warnings.len(), 1);
+        assert!(model.mesh().colours.is_empty());
     }
 
     #[test]

@@ -119,7 +119,7 @@ impl Discs {
         let moved = self.layout.offset_q8(word);
         let [bxx, bxy, byy] = self.ball;
         // |v| is below 2^16: its squares are taken unsigned.
-        let square = |v: i32| (v.unsigned_abs() * v.unsigned_abs() >> 18) as i32;
+        let square = |v: i32| ((v.unsigned_abs() * v.unsigned_abs()) >> 18) as i32;
         let part = |ball: i32, vv: i32| ((ball - vv) * RADIUS_SQUARED) >> 8;
         // Seen from its edge a disc is a line; at least this thick it holds the pixels it crosses.
         let xx = part(bxx, square(vx)).max(1);

@@ -1,0 +1,336 @@
+//! Blobs byte by byte: golden ones, and everything that must be refused.
+
+use std::path::Path;
+use std::sync::atomic::AtomicU64;
+
+use glam::DVec3;
+use host_tools::blob_file::BlobFile;
+use host_tools::encode::{Encoding, encode};
+use host_tools::geometry::triangles::Triangles;
+use host_tools::mesh::Mesh;
+use host_tools::palette::Palette;
+use host_tools::render::render;
+use host_tools::sampling::{Sampling, Separation};
+use host_tools::view::{STANDARD_LIGHT, StandardView, View};
+use proptest::prelude::*;
+use rho_grid::blob::{Blob, BlobError, Layout};
+use rho_grid::mode::Mode;
+
+/// Four faces in three colours, off centre, so that no two axes are alike.
+fn tetrahedron() -> Mesh {
+    let corners = [
+        [-0.5, -0.4, -0.3],
+        [0.5, -0.3, -0.2],
+        [-0.2, 0.45, -0.1],
+        [0.1, 0.0, 0.4],
+    ];
+    let positions: Vec<DVec3> = corners.map(DVec3::from).to_vec();
+    let centre = positions.iter().sum::<DVec3>() / 4.0;
+    Mesh {
+        normals: positions.iter().map(|p| (p - centre).normalize()).collect(),
+        positions,
+        colours: vec![[200, 30, 10], [200, 30, 10], [200, 30, 10], [200, 30, 10]],
+        triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    }
+}
+
+fn blob(sequence: &str, separation: Separation, layout: Layout) -> Vec<u8> {
+    let mesh = tetrahedron();
+    let sampling = Sampling {
+        sequence: sequence.parse().unwrap(),
+        separation,
+        memory: 1 << 24,
+    };
+    let tree = sampling
+        .sample(&Triangles::new(&mesh), &AtomicU64::new(0))
+        .unwrap();
+    let encoding = Encoding {
+        layout,
+        palette: Palette::of(mesh.colours.iter().copied()),
+        origin: "generator=test\n".to_owned(),
+    };
+    encode(&tree, &encoding)
+}
+
+/// The blob that most tests damage.
+fn small() -> Vec<u8> {
+    blob("2,3", Separation::TwentySix, Layout::MATERIAL)
+}
+
+/// What parsing says; the bytes are copied to an aligned place.
+fn parse(bytes: &[u8]) -> Result<(), BlobError> {
+    let file = BlobFile::from_bytes(bytes, "test");
+    Blob::parse(file.bytes()).map(|_| ())
+}
+
+/// The bytes of every version 1 blob stand fast. `RHO_REFRESH=1` writes them anew, which is right
+/// only together with a new version of the format.
+#[test]
+fn the_bytes_are_those_of_version_1() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
+    for (name, sequence, separation, layout) in [
+        ("3-3", "3,3", Separation::TwentySix, Layout::MATERIAL),
+        ("2-3", "2,3", Separation::TwentySix, Layout::MATERIAL),
+        ("4", "4", Separation::TwentySix, Layout::OFFSET),
+        ("5-thin", "5", Separation::Six, Layout::OFFSET_THIN),
+        ("2-2-thin", "2,2", Separation::Six, Layout::MATERIAL),
+    ] {
+        let bytes = blob(sequence, separation, layout);
+        let text: String = bytes
+            .chunks(32)
+            .map(|row| row.iter().map(|b| format!("{b:02x}")).collect::<String>() + "\n")
+            .collect();
+        let path = folder.join(format!("tetrahedron-{name}.hex"));
+        if std::env::var_os("RHO_REFRESH").is_some_and(|v| v == "1") {
+            std::fs::write(&path, &text).unwrap();
+        }
+        let golden = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text, golden, "{name}");
+        assert_eq!(parse(&bytes), Ok(()), "{name}");
+    }
+}
+
+/// SPEC.md's numbers, spelled out once more.
+#[test]
+fn the_header_is_as_the_specification_says() {
+    let bytes = small();
+    assert_eq!(&bytes[..8], b"\x89RHO\r\n\x1a\n");
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+    assert_eq!((bytes[8], bytes[9], bytes[10], bytes[11]), (1, 0, 32, 0));
+    assert_eq!(word(12) as usize, bytes.len());
+    let sections = word(24);
+    assert_eq!((word(20), sections), (4096, 6));
+    let pages = (word(12) - word(16)).div_ceil(4096);
+    assert_eq!(word(16), 32 + 16 * sections + 4 * pages);
+    let checked = [&bytes[..28], &bytes[32..word(16) as usize]].concat();
+    assert_eq!(word(28), crc32fast::hash(&checked));
+}
+
+#[test]
+fn a_blob_cut_anywhere_is_called_truncated() {
+    let bytes = small();
+    assert_eq!(parse(&[]), Err(BlobError::Missing));
+    for length in 1..bytes.len() {
+        let found = parse(&bytes[..length]);
+        assert!(
+            matches!(found, Err(BlobError::Truncated { .. })),
+            "{length}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn a_blob_whose_tail_was_never_copied_is_called_truncated() {
+    for fill in [0x00, 0xFF] {
+        let mut bytes = blob("3,3", Separation::TwentySix, Layout::MATERIAL);
+        let length = bytes.len();
+        bytes[length - 200..].fill(fill);
+        let found = parse(&bytes);
+        assert!(
+            matches!(found, Err(BlobError::Truncated { .. })),
+            "{found:?}"
+        );
+    }
+}
+
+#[test]
+fn no_byte_can_change_unseen() {
+    let mut bytes = small();
+    for at in 0..bytes.len() {
+        for flip in [0x01, 0x80, 0xFF] {
+            bytes[at] ^= flip;
+            assert!(parse(&bytes).is_err(), "byte {at} ^ {flip:02x}");
+            bytes[at] ^= flip;
+        }
+    }
+    assert_eq!(parse(&bytes), Ok(()));
+}
+
+/// A section: kind, grid, contents.
+type Section = (u16, u16, Vec<u8>);
+
+fn sections(bytes: &[u8]) -> Vec<Section> {
+    let file = BlobFile::from_bytes(bytes, "test");
+    let blob = file.blob().unwrap();
+    blob.sections()
+        .map(|s| (s.kind, s.grid, s.bytes.to_vec()))
+        .collect()
+}
+
+/// Puts a blob together as SPEC.md says, with nothing of the encoder.
+fn assemble(sections: &[Section]) -> Vec<u8> {
+    let mut body = Vec::new();
+    let mut places = Vec::new();
+    for (_, _, bytes) in sections {
+        places.push(body.len());
+        body.extend_from_slice(bytes);
+        while !body.len().is_multiple_of(4) {
+            body.push(0);
+        }
+    }
+    let pages: Vec<u8> = body
+        .chunks(4096)
+        .flat_map(|page| crc32fast::hash(page).to_le_bytes())
+        .collect();
+    let start = 32 + 16 * sections.len() + pages.len();
+    let mut head = b"\x89RHO\r\n\x1a\n\x01\x00\x20\x00".to_vec();
+    for word in [start + body.len(), start, 4096, sections.len()] {
+        head.extend((word as u32).to_le_bytes());
+    }
+    let mut rest = Vec::new();
+    for ((kind, grid, bytes), place) in sections.iter().zip(places) {
+        rest.extend(kind.to_le_bytes());
+        rest.extend(grid.to_le_bytes());
+        for word in [start + place, bytes.len(), 0] {
+            rest.extend((word as u32).to_le_bytes());
+        }
+    }
+    rest.extend(pages);
+    let crc = crc32fast::hash(&[&head[..], &rest].concat());
+    [&head[..], &crc.to_le_bytes(), &rest, &body].concat()
+}
+
+#[test]
+fn two_writers_of_the_specification_agree() {
+    for bytes in [
+        small(),
+        blob("5", Separation::Six, Layout::OFFSET_THIN),
+        blob("3,3,3,3", Separation::TwentySix, Layout::MATERIAL),
+    ] {
+        assert!(assemble(&sections(&bytes)) == bytes);
+    }
+}
+
+#[test]
+fn a_newer_version_is_refused_even_when_all_else_is_right() {
+    let mut bytes = small();
+    bytes[8] = 2;
+    let body = u32::from_le_bytes(bytes[16..20].try_into().unwrap()) as usize;
+    let crc = crc32fast::hash(&[&bytes[..28], &bytes[32..body]].concat());
+    bytes[28..32].copy_from_slice(&crc.to_le_bytes());
+    assert_eq!(parse(&bytes), Err(BlobError::Newer { version: 2 }));
+    let failure = BlobFile::from_bytes(&bytes, "new.rho").blob().unwrap_err();
+    assert!(
+        failure.message.contains("new.rho: blob version 2 is newer"),
+        "{failure}"
+    );
+}
+
+#[test]
+fn an_unknown_section_is_refused_unless_it_is_optional() {
+    let known = sections(&small());
+    for kind in [0, 6, 15, 0x7FFF] {
+        let all = [&known[..], &[(kind, 0, vec![1, 2, 3])]].concat();
+        assert_eq!(
+            parse(&assemble(&all)),
+            Err(BlobError::UnknownSection { kind })
+        );
+    }
+    for kind in [0x8000, 0x8002, 0xFFFF] {
+        for at in 0..=known.len() {
+            let mut all = known.clone();
+            all.insert(at, (kind, 7, vec![9; 5]));
+            assert_eq!(parse(&assemble(&all)), Ok(()), "{kind:04x}");
+        }
+    }
+}
+
+#[test]
+fn a_missing_section_is_named_but_the_origin_may_be_missing() {
+    let known = sections(&small());
+    for at in 0..known.len() {
+        let mut all = known.clone();
+        let (kind, _, _) = all.remove(at);
+        let expected = match kind {
+            0x8001 => Ok(()),
+            kind => Err(BlobError::MissingSection { kind }),
+        };
+        assert_eq!(parse(&assemble(&all)), expected);
+    }
+}
+
+#[test]
+fn contents_that_contradict_each_other_are_refused() {
+    let place = |kind: u16| {
+        let known = sections(&small());
+        known.iter().position(|s| s.0 == kind).unwrap()
+    };
+    let damaged = |kind: u16, at: usize, value: u8| {
+        let mut all = sections(&small());
+        all[place(kind)].2[at] = value;
+        parse(&assemble(&all))
+    };
+    // The grid's own numbers.
+    for (at, value, expected) in [
+        (0, 0, BlobError::Sequence),
+        (0, 13, BlobError::Sequence),
+        (1, 18, BlobError::Sequence),
+        (2, 3, BlobError::Layout),
+        (3, 12, BlobError::Layout),
+        (4, 5, BlobError::Layout),
+        (6, 1, BlobError::Layout),
+        (8, 1, BlobError::Sequence),
+        (8, 6, BlobError::Sequence),
+        (20, 2, BlobError::Section { kind: 4 }),
+    ] {
+        assert_eq!(damaged(1, at, value), Err(expected), "byte {at} = {value}");
+    }
+    // Nodes: an empty mask, a bit beyond 27, a child elsewhere, a material that is not there.
+    assert_eq!(damaged(2, 0, 0), Err(BlobError::Mask { level: 0, node: 0 }));
+    assert_eq!(
+        damaged(2, 7, 0x08),
+        Err(BlobError::Mask { level: 1, node: 0 })
+    );
+    assert_eq!(
+        damaged(3, 4, 1),
+        Err(BlobError::Children { level: 0, node: 0 })
+    );
+    let mut all = sections(&small());
+    all[place(4)].2[2] |= 1;
+    assert_eq!(parse(&assemble(&all)), Err(BlobError::Material { node: 1 }));
+    // Lengths.
+    for kind in [1, 2, 3, 4, 5] {
+        for change in [-4_isize, 4] {
+            let mut all = sections(&small());
+            let bytes = &mut all[place(kind)].2;
+            bytes.resize(bytes.len().wrapping_add_signed(change), 0);
+            let found = parse(&assemble(&all));
+            assert_eq!(found, Err(BlobError::Section { kind }), "{kind} {change}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn bytes_at_random_are_refused_without_a_panic(
+        bytes in prop::collection::vec(any::<u8>(), 0..600),
+    ) {
+        prop_assert!(parse(&bytes).is_err());
+    }
+
+    #[test]
+    fn bytes_at_random_behind_the_magic_are_refused_without_a_panic(
+        bytes in prop::collection::vec(any::<u8>(), 0..600),
+    ) {
+        let magic = b"\x89RHO\r\n\x1a\n\x01\x00\x20\x00";
+        prop_assert!(parse(&[magic, &bytes[..]].concat()).is_err());
+    }
+
+    /// With every CRC right again: what is accepted then can also be drawn.
+    #[test]
+    fn contents_changed_at_random_are_refused_or_drawn_without_a_panic(
+        changes in prop::collection::vec((0..6_usize, any::<prop::sample::Index>(), any::<u8>()), 1..4),
+    ) {
+        let mut all = sections(&small());
+        for (section, at, value) in changes {
+            let bytes = &mut all[section].2;
+            let at = at.index(bytes.len());
+            bytes[at] = value;
+        }
+        let file = BlobFile::from_bytes(&assemble(&all), "changed");
+        if let Ok(blob) = file.blob() {
+            let view = View { width: 24, height: 32, ..StandardView::NearTurned.into() };
+            prop_assert!(render(&blob, &view, STANDARD_LIGHT, Mode::default()).is_ok());
+        }
+    }
+}
