@@ -18,6 +18,7 @@
 //! ellipse's radius has 7 then, squares 14, products 28.
 
 use super::view::{Half, Step};
+use super::visibility::Shape;
 use crate::blob::Layout;
 use crate::normal::normal;
 
@@ -147,13 +148,21 @@ impl Ellipse {
             y: root(yy) << self.shift,
         }
     }
+}
 
-    /// Whether it holds the point `dx`, `dy` (Q16) from its centre.
+impl Shape for Ellipse {
     #[inline(always)]
-    pub(super) fn holds(&self, dx: i32, dy: i32) -> bool {
-        let (x, y) = (dx >> self.shift, dy >> self.shift);
+    fn row(&self, y: u32) -> impl Fn(u32) -> bool {
         let [xx, xy, yy] = self.matrix;
-        yy * x * x - 2 * xy * x * y + xx * y * y <= self.determinant
+        // From the centre to the pixel's centre.
+        let from =
+            |pixel: u32, centre: i32| (((pixel << 16) + 32768) as i32 - centre) >> self.shift;
+        let dy = from(y, self.centre.y);
+        let (b, c) = (2 * xy * dy, self.determinant - xx * dy * dy);
+        move |x| {
+            let dx = from(x, self.centre.x);
+            (yy * dx - b) * dx <= c
+        }
     }
 }
 

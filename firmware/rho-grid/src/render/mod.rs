@@ -19,7 +19,7 @@ mod visibility;
 
 pub use traverse::draw;
 pub use view::{View, ViewError};
-pub use visibility::{EyeOrder, Rect, Visibility, ZBuffer};
+pub use visibility::{EyeOrder, Rect, Shape, Visibility, ZBuffer};
 
 use crate::blob::Grid;
 use crate::frame::Frame;

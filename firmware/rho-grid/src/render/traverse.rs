@@ -373,22 +373,9 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         let Some(rect) = self.clip(pixels) else {
             return;
         };
-        let colour = self.shading.colour(word);
-        for y in rect.y0..rect.y1 + 1 {
-            let dy = ((y as i32) << 16) + 32768 - c.y;
-            for x in rect.x0..rect.x1 + 1 {
-                let dx = ((x as i32) << 16) + 32768 - c.x;
-                if ellipse.holds(dx, dy) {
-                    let pixel = Rect {
-                        x0: x,
-                        x1: x,
-                        y0: y,
-                        y1: y,
-                    };
-                    self.target.draw(pixel, w, || colour);
-                }
-            }
-        }
+        let shading = self.shading;
+        self.target
+            .draw_shape(rect, w, &ellipse, || shading.colour(word));
     }
 
     /// One subcell of an open cell, and the pixels that it may reach; `None` when there are none.

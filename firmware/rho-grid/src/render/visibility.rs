@@ -16,6 +16,17 @@ pub struct Rect {
 }
 
 impl Rect {
+    /// One pixel.
+    #[inline(always)]
+    fn pixel(x: u32, y: u32) -> Self {
+        Self {
+            x0: x,
+            x1: x,
+            y0: y,
+            y1: y,
+        }
+    }
+
     /// Whether it is one pixel.
     #[inline(always)]
     fn is_pixel(self) -> bool {
@@ -34,6 +45,25 @@ pub trait Visibility {
     /// Draws a sample over `rect`, where it shows; `colour` is asked for at most once. `w` is its
     /// distance along the optical axis, in the view's own unit, below 2^29.
     fn draw(&mut self, rect: Rect, w: i32, colour: impl FnOnce() -> u16);
+
+    /// Draws a sample over those pixels of `rect`, where it shows, that `shape` holds.
+    #[inline(always)]
+    fn draw_shape(&mut self, rect: Rect, w: i32, shape: &impl Shape, colour: impl Fn() -> u16) {
+        for y in rect.y0..rect.y1 + 1 {
+            let row = shape.row(y);
+            for x in rect.x0..rect.x1 + 1 {
+                if row(x) {
+                    self.draw(Rect::pixel(x, y), w, &colour);
+                }
+            }
+        }
+    }
+}
+
+/// A set of pixels, asked row by row.
+pub trait Shape {
+    /// Which columns of row `y` it holds.
+    fn row(&self, y: u32) -> impl Fn(u32) -> bool;
 }
 
 /// Cells from front to back, a coverage bit a pixel: each pixel is written once.
@@ -121,6 +151,18 @@ impl Visibility for EyeOrder<'_, '_> {
             self.fill(r, colour());
         }
     }
+
+    /// Only open pixels are tried: for most samples they are few.
+    #[inline(always)]
+    fn draw_shape(&mut self, r: Rect, _w: i32, shape: &impl Shape, colour: impl Fn() -> u16) {
+        let word = r.x0 >> 5;
+        if word == r.x1 >> 5 {
+            let mask = (u32::MAX << (r.x0 & 31)) & (u32::MAX >> (31 - (r.x1 & 31)));
+            self.draw_word(r, word, mask, shape, colour);
+        } else {
+            self.draw_words(r, shape, colour);
+        }
+    }
 }
 
 impl EyeOrder<'_, '_> {
@@ -140,6 +182,52 @@ impl EyeOrder<'_, '_> {
     fn write(&mut self, at: u32, colour: u16) {
         if let Some(pixel) = self.frame.pixels_mut().get_mut(at as usize) {
             *pixel = colour;
+        }
+    }
+
+    /// Draws a shape over the pixels of each row that `mask` names in a word of coverage.
+    #[inline(always)]
+    fn draw_word(
+        &mut self,
+        r: Rect,
+        word: u32,
+        mask: u32,
+        shape: &impl Shape,
+        colour: impl Fn() -> u16,
+    ) {
+        let mut at = r.y0 * self.stride + word;
+        for y in r.y0..r.y1 + 1 {
+            let covered = self.covered.get(at as usize).copied().unwrap_or(u32::MAX);
+            let mut open = mask & !covered;
+            if open != 0 {
+                let row = shape.row(y);
+                let mut held = 0;
+                while open != 0 {
+                    // The leftmost bit is the last column; any order serves.
+                    let bit = 31 - open.leading_zeros();
+                    open ^= 1 << bit;
+                    let x = (word << 5) + bit;
+                    if row(x) {
+                        held |= 1 << bit;
+                        self.write(y * self.width + x, colour());
+                    }
+                }
+                if let Some(covered) = self.covered.get_mut(at as usize) {
+                    *covered |= held;
+                }
+            }
+            at += self.stride;
+        }
+    }
+
+    /// The same over several words.
+    #[inline(never)]
+    fn draw_words(&mut self, r: Rect, shape: &impl Shape, colour: impl Fn() -> u16) {
+        for word in (r.x0 >> 5)..(r.x1 >> 5) + 1 {
+            let from = (word << 5).max(r.x0) & 31;
+            let to = ((word << 5) + 31).min(r.x1) & 31;
+            let mask = (u32::MAX << from) & (u32::MAX >> (31 - to));
+            self.draw_word(r, word, mask, shape, &colour);
         }
     }
 
