@@ -9,7 +9,7 @@ use host_tools::geometry::triangles::Triangles;
 use host_tools::mesh::Mesh;
 use host_tools::model::{self, LoadOptions};
 use host_tools::palette::Palette;
-use host_tools::sampling::{Sampling, Separation, Sequence};
+use host_tools::sampling::{Sampling, Separation, Sequence, Tree};
 use rho_grid::blob::Layout;
 
 /// The Stanford bunny, at its original resolution.
@@ -41,19 +41,38 @@ pub fn baked_bunny(sequence: &[u8]) -> BlobFile {
 /// When it cannot be baked.
 #[must_use]
 pub fn baked<G: Geometry + ?Sized>(geometry: &G, sequence: &[u8]) -> BlobFile {
+    let tree = sampled(geometry, sequence, Separation::TwentySix);
+    encoded(&tree, Layout::MATERIAL)
+}
+
+/// The samples of an object.
+///
+/// # Panics
+/// When it cannot be sampled.
+#[must_use]
+pub fn sampled<G: Geometry + ?Sized>(
+    geometry: &G,
+    sequence: &[u8],
+    separation: Separation,
+) -> Tree {
     let sampling = Sampling {
         sequence: Sequence::new(sequence).expect("a sequence"),
-        separation: Separation::TwentySix,
+        separation,
         memory: 1 << 30,
     };
-    let tree = sampling
+    sampling
         .sample(geometry, &0.into())
-        .unwrap_or_else(|failure| panic!("{failure}"));
+        .unwrap_or_else(|failure| panic!("{failure}"))
+}
+
+/// The blob of samples.
+#[must_use]
+pub fn encoded(tree: &Tree, layout: Layout) -> BlobFile {
     let samples = tree.levels.iter().flat_map(|level| &level.samples);
     let encoding = Encoding {
-        layout: Layout::MATERIAL,
+        layout,
         palette: Palette::of(samples.map(|sample| sample.colour)),
         origin: String::new(),
     };
-    BlobFile::from_bytes(&encode(&tree, &encoding), "a blob of the tests")
+    BlobFile::from_bytes(&encode(tree, &encoding), "a blob of the tests")
 }

@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 use host_tools::blob_file::BlobFile;
 use host_tools::compare::{Comparison, Depths, compare};
 use host_tools::depth::Depth;
+use host_tools::device::Run;
 use host_tools::picture::Picture;
 use host_tools::reference::{Caster, Shot};
 use host_tools::render::{self, Drawn};
@@ -104,7 +105,7 @@ fn the_bunny_near_takes_at_most_14_million_instructions() {
         mode: Mode::default(),
     });
     let run = ask(&request.line(), Some(blob().bytes()))
-        .and_then(host_tools::device::Run::done)
+        .and_then(Run::done)
         .unwrap_or_else(|failure| panic!("{failure}"));
     let instructions = run.report.phases.frame();
     assert!(instructions <= 14_000_000, "{instructions}");

@@ -44,7 +44,9 @@ pub trait Footprint: Copy {
     /// with as many bits after the point.
     fn cover<const Q: u32>(self, x: i32, y: i32) -> Pixels;
 
-    /// Pixels of which a sample in or below a cell of these bounds may colour none other.
+    /// Pixels of which a sample in or below a cell of these bounds may colour none other, but for
+    /// those to which no point of the cell is projected: boxes in a block are widened by what
+    /// their steps may be off.
     fn reach(bounds: Bounds) -> Pixels;
 }
 

@@ -1,0 +1,239 @@
+//! Which sample a pixel shows: what eye order skips is not missed, and where the methods differ.
+
+use std::sync::OnceLock;
+
+use host_tools::blob_file::BlobFile;
+use host_tools::geometry::triangles::Triangles;
+use host_tools::picture::rgb888;
+use host_tools::render;
+use host_tools::sampling::{Separation, Tree};
+use host_tools::view::{STANDARD_LIGHT, StandardView, View};
+use rho_grid::blob::Layout;
+use rho_grid::frame::Frame;
+use rho_grid::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
+use rho_grid::q::PixelSize;
+use rho_grid::render::{EyeOrder, Rect, View as Tables, Visibility, draw_seen};
+use rho_grid::shading::Shading;
+use rho_tests::random::Random;
+use rho_tests::scan::{bunny, encoded, sampled};
+
+/// The bunny at 243 cells, at 90 in a mixed sequence, and in thin cells with offsets.
+fn blobs() -> &'static [BlobFile] {
+    static BLOBS: OnceLock<Vec<BlobFile>> = OnceLock::new();
+    BLOBS.get_or_init(|| {
+        let bunny = Triangles::new(bunny());
+        let of = |sequence: &[u8], separation, layout| {
+            encoded(&sampled(&bunny, sequence, separation), layout)
+        };
+        vec![
+            of(&[3; 5], Separation::TwentySix, Layout::MATERIAL),
+            of(&[2, 5, 3, 3], Separation::TwentySix, Layout::MATERIAL),
+            of(&[2, 3, 3, 3, 3], Separation::Six, Layout::OFFSET_THIN),
+        ]
+    })
+}
+
+/// Forty views: the standard ones, others from the same distance, and any.
+fn views() -> Vec<View> {
+    let mut random = Random::new(3);
+    let mut views: Vec<View> = StandardView::ALL.into_iter().map(View::from).collect();
+    views.extend((0..16).map(|_| random.side(2.2883)));
+    views.extend((0..20).map(|_| random.view()));
+    views
+}
+
+fn words(blob: &BlobFile, view: &View, mode: Mode) -> Vec<u16> {
+    render::render(&blob.blob().unwrap(), view, STANDARD_LIGHT, mode)
+        .unwrap()
+        .words
+}
+
+/// A visibility method that never says that anything is hidden, so that every cell in view is
+/// visited and every leaf is drawn, and that counts them.
+struct Patient<V> {
+    inner: V,
+    drawn: usize,
+}
+
+impl<V: Visibility> Visibility for Patient<V> {
+    const FRONT_TO_BACK: bool = V::FRONT_TO_BACK;
+
+    fn is_hidden(&self, _: Rect) -> bool {
+        false
+    }
+
+    fn draw(&mut self, rect: Rect, w: i32, colour: impl FnOnce() -> u16) {
+        self.drawn += 1;
+        self.inner.draw(rect, w, colour);
+    }
+}
+
+/// A frame in eye order without skipping, and how many samples were drawn for it.
+fn patiently(blob: &BlobFile, view: &View, mode: Mode) -> (Vec<u16>, usize) {
+    let camera = view.camera().unwrap();
+    let blob = blob.blob().unwrap();
+    let grid = blob.grid(0).unwrap();
+    let mut tables = Box::new(Tables::empty());
+    tables.prepare(&camera, &grid, mode.cell_size).unwrap();
+    let mut colours = vec![0; Shading::words(blob.materials().len())];
+    let light = render::light(STANDARD_LIGHT);
+    let shading = Shading::new(&mut colours, grid.layout(), blob.materials(), light).unwrap();
+    let (width, height) = (camera.width, camera.height);
+    let mut words = vec![0; usize::from(width) * usize::from(height)];
+    let mut frame = Frame::new(&mut words, width, height).unwrap();
+    let mut coverage = vec![0; EyeOrder::words(width, height)];
+    let mut target = Patient {
+        inner: EyeOrder::new(&mut frame, &mut coverage).unwrap(),
+        drawn: 0,
+    };
+    draw_seen(mode, &grid, &tables, &shading, &mut target);
+    let drawn = target.drawn;
+    (words, drawn)
+}
+
+/// A cell is skipped when all pixels that a point of it may be projected to are covered. A block
+/// of boxes widens its leaves by what their steps may be off, beyond their cells: such a pixel,
+/// where the model is not, may be skipped with the cell. Nothing else may.
+#[test]
+fn skipping_what_is_hidden_loses_nothing_but_overhang() {
+    let (mut pixels, mut lost) = (0, 0);
+    for (v, view) in views().iter().enumerate() {
+        let blob = &blobs()[v % blobs().len()];
+        for (f, &footprint) in FootprintMode::ALL.iter().enumerate() {
+            let mode = Mode {
+                footprint,
+                cell_size: PixelSize::from_bits([128, 0, 512][(v / 3 + f) % 3]),
+                ..Mode::default()
+            };
+            let (patient, _) = patiently(blob, view, mode);
+            let skipping = words(blob, view, mode);
+            let different = patient.iter().zip(&skipping).filter(|(a, b)| a != b);
+            if footprint == FootprintMode::Box {
+                pixels += patient.iter().filter(|word| **word != 0).count();
+                lost += different.count();
+            } else {
+                assert_eq!(different.count(), 0, "{mode:?} {view:?}");
+            }
+        }
+    }
+    println!("boxes: {lost} of {pixels} pixels");
+    assert!(lost * 5000 <= pixels, "{lost} of {pixels}");
+}
+
+/// Both find the same integer (which a unit test proves for each); so do the frames.
+#[test]
+fn the_table_and_the_divider_give_the_same_frame() {
+    for (v, view) in views().iter().enumerate() {
+        let blob = &blobs()[v % blobs().len()];
+        for &footprint in FootprintMode::ALL {
+            let mode = Mode {
+                footprint,
+                visibility: VisibilityMode::ALL[v % 2],
+                ..Mode::default()
+            };
+            let table = Mode {
+                reciprocal: ReciprocalMode::Table,
+                ..mode
+            };
+            assert!(
+                words(blob, view, mode) == words(blob, view, table),
+                "{mode:?} {view:?}"
+            );
+        }
+    }
+}
+
+/// Whether a channel differs by more than a tenth of white.
+fn is_seen(a: u16, b: u16) -> bool {
+    let channels = rgb888(a).into_iter().zip(rgb888(b));
+    channels.into_iter().any(|(a, b)| a.abs_diff(b) > 25)
+}
+
+/// Eye order is exact for cells that hide each other. Where one footprint only overhangs
+/// another's cell, the first in order stays, though the other may be nearer: a neighbour, mostly
+/// of the same colour. Boxes, discs and points overhang little, splats by whole pixels.
+#[test]
+fn eye_order_and_the_depth_buffer_show_the_same_but_where_footprints_overhang() {
+    for (footprint, limit) in [
+        (FootprintMode::Point, 0.002),
+        (FootprintMode::Splat, 0.12),
+        (FootprintMode::Box, 0.01),
+        (FootprintMode::Disc, 0.015),
+    ] {
+        let (mut covered, mut silhouette, mut seen) = (0, 0, 0);
+        for (v, view) in views().iter().enumerate() {
+            let blob = &blobs()[v % blobs().len()];
+            let of = |visibility| {
+                let mode = Mode {
+                    visibility,
+                    footprint,
+                    ..Mode::default()
+                };
+                words(blob, view, mode)
+            };
+            for (eye, z) in of(VisibilityMode::Eye)
+                .into_iter()
+                .zip(of(VisibilityMode::Z))
+            {
+                covered += usize::from(z != 0);
+                silhouette += usize::from((eye == 0) != (z == 0));
+                seen += usize::from(is_seen(eye, z));
+            }
+        }
+        println!("{footprint}: of {covered} pixels {seen} differ, {silhouette} in cover");
+        let part = seen as f64 / covered as f64;
+        assert!(part <= limit, "{footprint}: {part}");
+        // What is skipped in eye order: see the test of that.
+        let skipped = if footprint == FootprintMode::Box {
+            covered / 10_000
+        } else {
+            0
+        };
+        assert!(silhouette <= skipped, "{footprint}: {silhouette}");
+    }
+}
+
+/// The bunny's samples with those of all intermediate cells turned to face the other way.
+fn turned_inside(tree: &Tree) -> Tree {
+    let mut tree = tree.clone();
+    let inner = tree.levels.len() - 1;
+    for level in &mut tree.levels[..inner] {
+        for sample in &mut level.samples {
+            sample.normal = -sample.normal;
+        }
+    }
+    tree
+}
+
+/// At size 0 no cell is small enough to be drawn from its own sample, however far it is.
+#[test]
+fn at_cell_size_0_only_leaves_are_drawn_and_each_once() {
+    let tree = sampled(
+        &Triangles::new(bunny()),
+        &[3, 3, 4, 2],
+        Separation::TwentySix,
+    );
+    let blob = encoded(&tree, Layout::MATERIAL);
+    let turned = encoded(&turned_inside(&tree), Layout::MATERIAL);
+    for view in [StandardView::Near, StandardView::FarTurned] {
+        let view = View::from(view);
+        for &footprint in FootprintMode::ALL {
+            let mode = |cell_size| Mode {
+                footprint,
+                cell_size: PixelSize::from_bits(cell_size),
+                ..Mode::default()
+            };
+            let leaves = words(&blob, &view, mode(0));
+            assert!(leaves == words(&turned, &view, mode(0)), "{footprint}");
+            // Where intermediate samples do show, the turned ones are seen.
+            assert!(words(&blob, &view, mode(2000)) != words(&turned, &view, mode(2000)));
+        }
+        // All in view, and each has a pixel of its own.
+        let point = Mode {
+            footprint: FootprintMode::Point,
+            cell_size: PixelSize::ZERO,
+            ..Mode::default()
+        };
+        assert_eq!(patiently(&blob, &view, point).1, tree.leaves());
+    }
+}
