@@ -73,6 +73,7 @@ impl RunArgs {
     /// See [`device::run`]; and when a file cannot be read or written.
     pub fn run(&self) -> Outcome {
         let request = self.request()?;
+        let mut baked = String::new();
         let model = match &self.model {
             None if self.picture == Subject::Model => {
                 return Err(Failure::input("there is no model to draw")
@@ -82,7 +83,10 @@ impl RunArgs {
             Some(path) => {
                 let file = BlobFile::read(path)?;
                 // The device checks it again; here a broken one is told with what to do.
-                file.blob()?;
+                let blob = file.blob()?;
+                let grids = (0..blob.grid_count()).filter_map(|g| blob.grid(g));
+                let samples: u64 = grids.map(|g| u64::from(g.leaf_samples())).sum();
+                baked = format!(", {samples} samples in {} B of flash", file.bytes().len());
                 Some(file)
             }
         };
@@ -105,7 +109,7 @@ impl RunArgs {
         if self.json {
             println!("{}", self.object(&request, &firmware, model, &run));
         } else {
-            println!("{}", line(&firmware, &run));
+            println!("{}{}", line(&firmware, &run), baked);
         }
         check_counter(&run)
     }
