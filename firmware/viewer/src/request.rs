@@ -527,7 +527,7 @@ mod tests {
             with("footprint", "disk"),
             Err(RequestError::Choice {
                 key: "footprint",
-                expected: "point, splat, box"
+                expected: "point, splat, box, disc"
             })
         );
     }
