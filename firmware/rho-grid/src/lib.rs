@@ -13,6 +13,41 @@
 //! * [`frame`]: pixels, for and from embedded-graphics.
 //! * [`camera`], [`mode`], [`q`], [`reciprocal`]: the words of the interface.
 //!
+//! ```
+//! use rho_grid::blob::{Blob, BlobError};
+//! use rho_grid::camera::Camera;
+//! use rho_grid::frame::Frame;
+//! use rho_grid::mode::Mode;
+//! use rho_grid::q::Unit;
+//! use rho_grid::render::{Buffers, EyeOrder, View, draw_mode};
+//! use rho_grid::shading::Shading;
+//!
+//! /// Draws the model in `flash` over `frame`; the tables are a board's statics.
+//! fn picture(
+//!     flash: &[u8],
+//!     camera: &Camera,
+//!     light: [Unit; 3],
+//!     frame: &mut Frame<'_>,
+//!     tables: &mut View,
+//!     colours: &mut [u16],                                     // Shading::words(materials)
+//!     coverage: &mut [u32; EyeOrder::words(240, 320)],
+//! ) -> Result<(), BlobError> {
+//!     let blob = Blob::parse(flash)?;                          // once, not a frame
+//!     let mode = Mode::default();
+//!     if let Some(grid) = blob.grid(0)
+//!         && tables.prepare(camera, &grid, mode.cell_size).is_ok()
+//!         && let Some(shading) = Shading::new(colours, grid.layout(), blob.materials(), light)
+//!     {
+//!         frame.clear_to(0);
+//!         let mut buffers = Buffers { coverage, depth: &mut [] };
+//!         buffers.clear(mode);
+//!         // Only a buffer too small for the mode or the frame is an error.
+//!         let _ = draw_mode(mode, &grid, tables, &shading, frame, &mut buffers);
+//!     }
+//!     Ok(())                                                   // then: frame.draw(&mut screen)
+//! }
+//! ```
+//!
 //! It does not support floats, textures, transparency, or blobs on big-endian machines.
 #![no_std]
 #![forbid(unsafe_code)]

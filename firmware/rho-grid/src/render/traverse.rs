@@ -21,7 +21,7 @@ use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
 use super::order::{self, List, Order};
 use super::project::{Bounds, Homogeneous, OverW};
-use super::view::{Half, LevelView, Step, Steps, View};
+use super::view::{Half, LevelView, Slabs, Step, Steps, View};
 use super::visibility::{Rect, Visibility};
 use crate::blob::format::MAX_SUBDIVISIONS;
 use crate::blob::{Grid, Level};
@@ -73,6 +73,49 @@ struct Cell {
     centre: Homogeneous,
     place: [i32; 3],
     bounds: Bounds,
+}
+
+/// What the cells of a level within one cell share.
+struct Group {
+    steps: Steps,
+    discs: Discs,
+}
+
+impl Group {
+    #[inline(always)]
+    fn stencil<F: Footprint, const RHO: usize>(&self, inside: bool) -> Stencil<F> {
+        // Of discs, what any of them may reach.
+        let half = if F::DISCS {
+            self.discs.reach()
+        } else {
+            self.steps.half
+        };
+        Stencil {
+            slabs: self.steps.slabs::<RHO>(),
+            footprint: F::of::<16>(half.x, half.y),
+            discs: self.discs,
+            inside,
+        }
+    }
+}
+
+/// How the children of a group's parents are drawn.
+struct Stencil<F> {
+    slabs: Slabs,
+    footprint: F,
+    discs: Discs,
+    /// No sample reaches the frame's edge.
+    inside: bool,
+}
+
+/// A cell whose children are all drawn.
+struct Parent {
+    /// On the screen, Q16.
+    centre: Step,
+    w: i32,
+    /// Number of the first child over all levels.
+    first: u32,
+    mask: [u32; 4],
 }
 
 struct Walk<'g, 'v, V> {
@@ -191,42 +234,90 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         open.half = (nearest >= self.view.near.max(3 * dw))
             .then(|| self.view.half::<R>(children, axis, own, nearest));
 
-        // A block: every child is opened, every grandchild is drawn.
-        let (Some(half), Some(below)) = (open.half, self.grid.levels().get(level + 1)) else {
+        let (Some(half), subdivisions) = (open.half, self.grid.subdivisions()) else {
             return true;
         };
-        let grandchildren = self.level(level + 2);
-        let drawn = level + 2 == self.grid.subdivisions() || grandchildren.stop_w <= nearest;
-        if !drawn || children.stop_w <= cell.centre.w + dw {
+        let drawn = |level: usize| level == subdivisions || self.level(level).stop_w <= nearest;
+        let w = cell.centre.w;
+        if drawn(level + 1) {
+            // A leaf parent that no block has drawn: on coarse grids, or near the eye.
+            let Some(group) = self.group::<F, R>(level, level + 1, axis, own, w, 1) else {
+                return true;
+            };
+            match nodes.rho {
+                2 => self.alone::<F, 2>(open, &cell, level, &group),
+                3 => self.alone::<F, 3>(open, &cell, level, &group),
+                4 => self.alone::<F, 4>(open, &cell, level, &group),
+                _ => self.alone::<F, 5>(open, &cell, level, &group),
+            }
+            return false;
+        }
+        // A block: every child is opened, every grandchild is drawn.
+        let Some(below) = self.grid.levels().get(level + 1) else {
+            return true;
+        };
+        if !drawn(level + 2) || children.stop_w <= w + dw {
             return true;
         }
         let rho = i32::from(nodes.rho);
-        let Some(steps) = self.view.steps::<R>(
-            self.level(level),
-            grandchildren,
-            axis,
-            own,
-            cell.centre.w,
-            rho,
-        ) else {
+        let Some(group) = self.group::<F, R>(level, level + 2, axis, own, w, rho) else {
             return true;
         };
-        // Discs too large for their numbers are drawn one by one, as boxes.
-        let discs = if F::DISCS {
-            Discs::new(&steps.steps, self.grid.layout())
-        } else {
-            Some(Discs::NONE)
-        };
-        let Some(discs) = discs else {
-            return true;
-        };
+        let bounds = &cell.bounds;
         match below.rho {
-            2 => self.block::<F, R, 2>(open, half, level, &steps, &discs, cell.bounds),
-            3 => self.block::<F, R, 3>(open, half, level, &steps, &discs, cell.bounds),
-            4 => self.block::<F, R, 4>(open, half, level, &steps, &discs, cell.bounds),
-            _ => self.block::<F, R, 5>(open, half, level, &steps, &discs, cell.bounds),
+            2 => self.block::<F, R, 2>(open, half, level, &group, bounds),
+            3 => self.block::<F, R, 3>(open, half, level, &group, bounds),
+            4 => self.block::<F, R, 4>(open, half, level, &group, bounds),
+            _ => self.block::<F, R, 5>(open, half, level, &group, bounds),
         }
         false
+    }
+
+    /// What cells of level `cells` within a cell of `level` share; `None` when that is too near, or
+    /// its discs are too large for their numbers.
+    #[inline(always)]
+    fn group<F: Footprint, R: Reciprocal>(
+        &self,
+        level: usize,
+        cells: usize,
+        axis: [i32; 2],
+        own: Half,
+        w: i32,
+        rho: i32,
+    ) -> Option<Group> {
+        let (outer, inner) = (self.level(level), self.level(cells));
+        let steps = self.view.steps::<R>(outer, inner, axis, own, w, rho)?;
+        let discs = if F::DISCS {
+            Discs::new(&steps.steps, self.grid.layout())?
+        } else {
+            Discs::NONE
+        };
+        Some(Group { steps, discs })
+    }
+
+    /// Draws the children of an open cell of `level`, divided by `RHO`.
+    #[inline(never)]
+    fn alone<F: Footprint, const RHO: usize>(
+        &mut self,
+        open: &Open,
+        cell: &Cell,
+        level: usize,
+        group: &Group,
+    ) {
+        let children = self.level(level + 1);
+        let from = Parent {
+            centre: Step {
+                x: cell.bounds.x << 8,
+                y: cell.bounds.y << 8,
+            },
+            w: cell.centre.w,
+            first: self.first(level + 1) + open.first_child,
+            mask: open.mask,
+        };
+        let eye = self.eye_slab(children, cell.place, RHO as i32);
+        let inside = self.is_inside(&cell.bounds, group.steps.half);
+        let stencil = group.stencil::<F, RHO>(inside);
+        self.samples::<F, RHO>(&from, level, Order::new(eye), &stencil);
     }
 
     /// The eye's slab among the subcells of a cell at `place`, if the order matters.
@@ -248,9 +339,8 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         open: &Open,
         half: Half,
         level: usize,
-        steps: &Steps,
-        discs: &Discs,
-        block: Bounds,
+        group: &Group,
+        bounds: &Bounds,
     ) {
         let Some([nodes, below]) = self
             .grid
@@ -262,18 +352,14 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         };
         let view = self.view;
         let displacements = view.displacements(self.level(level));
-        let below_displacements = view.displacements(self.level(level + 1));
         let grandchildren = self.level(level + 2);
         let first = self.first(level + 2);
-        let (grid, shading) = (self.grid, self.shading);
         let (mx, my) = self.middle();
         let rho = i32::from(nodes.rho);
         let [ox, oy, oz] = open.place.map(|p| p * rho);
 
-        let ball = if F::DISCS { discs.reach() } else { steps.half };
-        let footprint = F::of::<16>(ball.x, ball.y);
-        let slabs = steps.slabs::<RHO>();
-        let inside = self.is_inside(&block, steps.half);
+        let inside = self.is_inside(bounds, group.steps.half);
+        let stencil = group.stencil::<F, RHO>(inside);
         for &subcell in open.list.iter().take(usize::from(open.count)) {
             let Some(d) = displacements.get(usize::from(subcell)) else {
                 continue;
@@ -296,61 +382,73 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             let node = open.first_child + order::rank(&open.mask, subcell);
             let [i, j, k] = order::place(nodes.rho, subcell);
             let eye = self.eye_slab(grandchildren, [ox + i, oy + j, oz + k], RHO as i32);
-            let order = Order::<RHO>::new(eye);
-            let mask = below.mask::<RHO>(node);
-            let first = first + below.first_child(node);
-            let centre_w = centre.w;
-            let from = Step {
-                x: x << 8,
-                y: y << 8,
+            let from = Parent {
+                centre: Step {
+                    x: x << 8,
+                    y: y << 8,
+                },
+                w: centre.w,
+                first: first + below.first_child(node),
+                mask: below.mask::<RHO>(node),
             };
-            for (k, plane) in order.planes(&mask) {
-                let from = from.plus(slabs.along::<2>(k));
-                for (j, row) in order.rows(plane) {
-                    let from = from.plus(slabs.along::<1>(j));
-                    let subcells = RHO as u32 * (j + RHO as u32 * k);
-                    for i in order.cells(row) {
-                        let at = from.plus(slabs.along::<0>(i));
-                        if F::DISCS {
-                            let subcell = (subcells + i) as u8;
-                            let word = || grid.attribute(first + order::rank(&mask, subcell));
-                            self.disc(discs, footprint, at, centre_w, inside, word);
-                            continue;
-                        }
-                        let pixels = footprint.cover::<16>(at.x, at.y);
-                        let rect = if inside {
-                            pixels.rect()
-                        } else {
-                            self.clip(pixels)
-                        };
-                        let Some(rect) = rect else {
-                            continue;
-                        };
-                        let subcell = (subcells + i) as u8;
-                        let d = below_displacements.get(usize::from(subcell));
-                        let w = centre_w + d.map_or(0, |d| d.w);
-                        self.target.draw(rect, w, || {
-                            shading.colour(grid.attribute(first + order::rank(&mask, subcell)))
-                        });
+            self.samples::<F, RHO>(&from, level + 1, Order::new(eye), &stencil);
+        }
+    }
+
+    /// Draws all children of a cell of `level`.
+    #[inline(always)]
+    fn samples<F: Footprint, const RHO: usize>(
+        &mut self,
+        parent: &Parent,
+        level: usize,
+        order: Order<RHO>,
+        stencil: &Stencil<F>,
+    ) {
+        let view = self.view;
+        let displacements = view.displacements(self.level(level));
+        let (grid, shading) = (self.grid, self.shading);
+        let slabs = &stencil.slabs;
+        for (k, plane) in order.planes(&parent.mask) {
+            let from = parent.centre.plus(slabs.along::<2>(k));
+            for (j, row) in order.rows(plane) {
+                let from = from.plus(slabs.along::<1>(j));
+                let subcells = RHO as u32 * (j + RHO as u32 * k);
+                for i in order.cells(row) {
+                    let at = from.plus(slabs.along::<0>(i));
+                    let subcell = (subcells + i) as u8;
+                    let word = || grid.attribute(parent.first + order::rank(&parent.mask, subcell));
+                    if F::DISCS {
+                        self.disc(stencil, at, parent.w, word);
+                        continue;
                     }
+                    let pixels = stencil.footprint.cover::<16>(at.x, at.y);
+                    let rect = if stencil.inside {
+                        pixels.rect()
+                    } else {
+                        self.clip(pixels)
+                    };
+                    let Some(rect) = rect else {
+                        continue;
+                    };
+                    let d = displacements.get(usize::from(subcell));
+                    let w = parent.w + d.map_or(0, |d| d.w);
+                    self.target.draw(rect, w, || shading.colour(word()));
                 }
             }
         }
     }
 
-    /// Draws a sample as a disc. `ball` covers what any disc in its cell may reach.
+    /// Draws a sample as a disc.
     #[inline(always)]
     fn disc<F: Footprint>(
         &mut self,
-        discs: &Discs,
-        ball: F,
+        stencil: &Stencil<F>,
         at: Step,
         w: i32,
-        inside: bool,
         word: impl FnOnce() -> u32,
     ) {
-        let pixels = ball.cover::<16>(at.x, at.y);
-        let rect = if inside {
+        let pixels = stencil.footprint.cover::<16>(at.x, at.y);
+        let rect = if stencil.inside {
             pixels.rect()
         } else {
             self.clip(pixels)
@@ -360,7 +458,7 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             _ => return,
         }
         let word = word();
-        let ellipse = discs.ellipse(at, word);
+        let ellipse = stencil.discs.ellipse(at, word);
         let half = ellipse.half();
         let c = ellipse.centre;
         // The pixels whose centres lie within the half extents.

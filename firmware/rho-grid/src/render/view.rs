@@ -353,7 +353,8 @@ impl View {
     /// With r = D / (W - D), where D is the block's half extent in W, the one is off by at most
     /// r own / rho, the other by as much: the parent's extent is `own` / rho. The half extents of
     /// the cells are taken at the block's x and W too, off by a part of that of at most 1/2.
-    /// Altogether 3 r own / rho.
+    /// Altogether 3 r own / rho. When the block is itself the parent, `rho` is 1, and the first two
+    /// are one: the bound holds all the more.
     #[inline(always)]
     pub(super) fn steps<R: Reciprocal>(
         &self,
