@@ -241,7 +241,8 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
         let w = cell.centre.w;
         if drawn(level + 1) {
             // A leaf parent that no block has drawn: on coarse grids, or near the eye.
-            let Some(group) = self.group::<F, R>(level, level + 1, axis, own, w, 1) else {
+            // 2 stands for a parent alone, however divided: see View::steps.
+            let Some(group) = self.group::<F, R>(level, level + 1, axis, own, w, 2) else {
                 return true;
             };
             match nodes.rho {

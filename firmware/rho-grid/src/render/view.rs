@@ -353,8 +353,12 @@ impl View {
     /// With r = D / (W - D), where D is the block's half extent in W, the one is off by at most
     /// r own / rho, the other by as much: the parent's extent is `own` / rho. The half extents of
     /// the cells are taken at the block's x and W too, off by a part of that of at most 1/2.
-    /// Altogether 3 r own / rho. When the block is itself the parent, `rho` is 1, and the first two
-    /// are one: the bound holds all the more.
+    /// Altogether 3 r own / rho.
+    ///
+    /// When the block is itself the parent, its x' and W' are exact. With its own division d, a
+    /// centre is off by at most (1 - 1/d)^2 r own, and the half extents, own / d, by 2 r own / d:
+    /// together less than 3/2 r own for any d from 2 to 5, also with the 24th by which W - D is
+    /// less than W. That is what `rho` = 2 says.
     #[inline(always)]
     pub(super) fn steps<R: Reciprocal>(
         &self,
