@@ -5,12 +5,13 @@ use host_tools::failure::Exit as Code;
 use host_tools::render;
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use object::{Object, ObjectSection, ObjectSegment};
+use rho_grid::frame::Frame;
 use rho_grid::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
 use rho_tests::firmware::{ask, firmware};
 use rho_tests::{model, snapshot};
-use rho_viewer::canvas::{Canvas, HEIGHT, PIXELS, WIDTH};
 use rho_viewer::report::Exit;
 use rho_viewer::request::{Request, Scene};
+use rho_viewer::size::{HEIGHT, PIXELS, WIDTH};
 use rho_viewer::{message, test_card};
 
 fn request(view: &View, mode: Mode) -> Request {
@@ -29,7 +30,7 @@ fn near() -> Request {
 fn the_test_card_on_the_wire_is_the_hosts_own_drawing_bit_for_bit() {
     let run = ask("picture=test-card", None).unwrap().done().unwrap();
     let mut words = Box::new([0; PIXELS]);
-    test_card::draw(&mut Canvas::new(&mut words)).unwrap();
+    test_card::draw(&mut Frame::of_width(words.as_mut_slice(), WIDTH)).unwrap();
     assert!(run.words == words.as_slice());
     snapshot::check("test-card", &run.words, WIDTH);
 }
@@ -110,7 +111,7 @@ fn refused(line: &str, blob: Option<&[u8]>, exit: Exit, text: &str) -> Vec<u16> 
     assert_eq!(run.report.exit, exit);
     assert!(run.report.message.contains(text), "{}", run.report.message);
     let mut words = Box::new([0; PIXELS]);
-    let canvas = &mut Canvas::new(&mut words);
+    let canvas = &mut Frame::of_width(words.as_mut_slice(), WIDTH);
     message::draw(canvas, "Nothing to show", &run.report.message).unwrap();
     assert!(run.words == words.as_slice(), "the panel shows the message");
     let failure = run.done().unwrap_err();

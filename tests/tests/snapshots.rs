@@ -20,8 +20,8 @@ use rho_grid::mode::Mode;
 use rho_tests::firmware::ask;
 use rho_tests::scan::baked;
 use rho_tests::snapshot;
-use rho_viewer::canvas::{HEIGHT, WIDTH};
 use rho_viewer::request::{Request, Scene};
+use rho_viewer::size::{HEIGHT, WIDTH};
 
 /// The teapot at 81 cells an axis.
 fn teapot() -> BlobFile {

@@ -32,12 +32,12 @@ use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use defmt_semihosting as _;
 use embedded_hal_bus::spi::ExclusiveDevice;
-use rho_viewer::canvas::{PIXELS, Words};
 use rho_viewer::flow::{self, Device};
 use rho_viewer::panel::{Ili9341, ScreenError, Wire};
 use rho_viewer::picture::Memory;
 use rho_viewer::report::{Exit, Report};
 use rho_viewer::request::MAX_LINE;
+use rho_viewer::size::{PIXELS, Words};
 
 use crate::clock::{Clock, Delay};
 use crate::pins::{Misc, Pin};

@@ -1,12 +1,12 @@
 //! A picture of RGB565 pixels in memory.
 
+use embedded_graphics_core::Drawable;
 use embedded_graphics_core::Pixel;
 use embedded_graphics_core::draw_target::DrawTarget;
 use embedded_graphics_core::geometry::{Dimensions, OriginDimensions, Point, Size};
 use embedded_graphics_core::pixelcolor::Rgb565;
 use embedded_graphics_core::pixelcolor::raw::{RawData, RawU16};
 use embedded_graphics_core::primitives::Rectangle;
-use embedded_graphics_core::{Drawable, pixelcolor::PixelColor};
 
 /// A frame: RGB565 words, rows from the top, borrowed from the board.
 ///
@@ -32,6 +32,17 @@ impl<'a> Frame<'a> {
         })
     }
 
+    /// A frame over a whole buffer, as it is, in as many full rows of `width` as it holds.
+    #[must_use]
+    pub fn of_width(buffer: &'a mut [u16], width: u16) -> Self {
+        let rows = buffer.len().checked_div(usize::from(width)).unwrap_or(0);
+        Self {
+            pixels: buffer,
+            width,
+            height: u16::try_from(rows).unwrap_or(u16::MAX),
+        }
+    }
+
     /// Pixels a row.
     #[must_use]
     pub fn width(&self) -> u16 {
@@ -53,6 +64,17 @@ impl<'a> Frame<'a> {
     /// RGB565 words, rows from the top.
     pub fn pixels_mut(&mut self) -> &mut [u16] {
         self.pixels
+    }
+
+    /// The colour of a pixel; none outside.
+    #[must_use]
+    pub fn pixel(&self, x: u16, y: u16) -> Option<Rgb565> {
+        let inside = x < self.width && y < self.height;
+        let at = usize::from(y) * usize::from(self.width) + usize::from(x);
+        self.pixels
+            .get(at)
+            .filter(|_| inside)
+            .map(|word| from_word(*word))
     }
 
     /// Every pixel becomes `colour` (RGB565).
@@ -88,6 +110,21 @@ impl DrawTarget for Frame<'_> {
         }
         Ok(())
     }
+
+    /// Row by row; what lies beyond the frame is left out.
+    fn fill_solid(&mut self, area: &Rectangle, colour: Rgb565) -> Result<(), Self::Error> {
+        let area = area.intersection(&self.bounding_box());
+        // Within the frame now, so neither negative nor large.
+        let (left, top) = (area.top_left.x as usize, area.top_left.y as usize);
+        let (width, height) = (area.size.width as usize, area.size.height as usize);
+        let rows = self.pixels.chunks_exact_mut(usize::from(self.width).max(1));
+        for row in rows.skip(top).take(height) {
+            if let Some(part) = row.get_mut(left..left + width) {
+                part.fill(RawU16::from(colour).into_inner());
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Drawable for Frame<'_> {
@@ -104,10 +141,7 @@ impl Drawable for Frame<'_> {
     }
 }
 
-fn from_word(word: u16) -> Rgb565
-where
-    Rgb565: PixelColor,
-{
+fn from_word(word: u16) -> Rgb565 {
     RawU16::new(word).into()
 }
 
@@ -125,6 +159,23 @@ mod tests {
             .draw_iter([at(-1, 0), at(3, 0), at(0, 2), at(2, 1), at(0, -1)])
             .unwrap();
         assert_eq!(buffer, [0, 0, 0, 0, 0, 0xFFFF]);
+    }
+
+    #[test]
+    fn a_rectangle_over_the_edge_fills_what_is_inside() {
+        let mut buffer = [0; 12];
+        let mut frame = Frame::of_width(&mut buffer, 4);
+        assert_eq!(frame.height(), 3);
+        let fill = |frame: &mut Frame<'_>, x, y| {
+            let area = Rectangle::new(Point::new(x, y), Size::new(3, 3));
+            frame.fill_solid(&area, Rgb565::WHITE).unwrap();
+        };
+        fill(&mut frame, -1, 2);
+        fill(&mut frame, 9, 9);
+        assert_eq!(frame.pixel(1, 2), Some(Rgb565::WHITE));
+        assert_eq!(frame.pixel(2, 2), Some(Rgb565::BLACK));
+        assert_eq!(frame.pixel(4, 2), None);
+        assert_eq!(buffer.iter().filter(|w| **w != 0).count(), 2);
     }
 
     #[test]

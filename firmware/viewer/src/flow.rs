@@ -2,9 +2,10 @@
 
 use core::fmt::{self, Write};
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use crate::size::{HEIGHT, WIDTH, Words};
+use rho_grid::blob::format::CRC;
+use rho_grid::frame::Frame;
 
-use crate::canvas::{Canvas, HEIGHT, WIDTH, Words};
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::message;
 use crate::panel::{Screen, ScreenError};
@@ -12,9 +13,6 @@ use crate::picture::{Memory, Model, ModelError};
 use crate::report::{Exit, Report};
 use crate::request::{Request, RequestError};
 use crate::test_card;
-
-/// The CRC-32 of IEEE 802.3, with a table of 1 KiB.
-const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// What a board hands over.
 #[derive(Debug)]
@@ -84,7 +82,7 @@ pub fn run<S: Screen, C: Counter>(device: &mut Device<'_, S, C>, line: &str) -> 
         // Cut, if ever longer than the longest message.
         let _ = write!(report.message, "{stop}");
         (report.width, report.height) = (WIDTH, HEIGHT);
-        let canvas = &mut Canvas::new(device.words);
+        let canvas = &mut Frame::of_width(device.words.as_mut_slice(), WIDTH);
         let Ok(()) = message::draw(canvas, "Nothing to show", &report.message);
         // When the panel is what failed, the report still tells.
         if device.screen.show(device.words, WIDTH, HEIGHT).is_err() {
@@ -130,7 +128,7 @@ fn answer<S: Screen, C: Counter>(
                     .map_err(Stop::Model)?;
             }
             _ => {
-                let canvas = &mut Canvas::new(words);
+                let canvas = &mut Frame::of_width(words.as_mut_slice(), WIDTH);
                 let Ok(()) = watch.time(Phase::Draw, || test_card::draw(canvas));
             }
         }
@@ -159,8 +157,8 @@ fn crc32(words: &[u16]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::canvas::PIXELS;
     use crate::count::{PROBES, Probe};
+    use crate::size::PIXELS;
     use std::boxed::Box;
     use std::vec::Vec;
 
@@ -220,7 +218,7 @@ mod tests {
         assert_eq!(report.exit, Exit::Done);
         assert_eq!(report.frame_crc32, crc32(&shown));
         let mut card = Box::new([0; PIXELS]);
-        test_card::draw(&mut Canvas::new(&mut card)).unwrap();
+        test_card::draw(&mut Frame::of_width(card.as_mut_slice(), WIDTH)).unwrap();
         assert!(shown == card.as_slice());
     }
 

@@ -19,7 +19,6 @@
 #[cfg(test)]
 extern crate std;
 
-pub mod canvas;
 pub mod count;
 pub mod flow;
 pub mod message;
@@ -27,4 +26,5 @@ pub mod panel;
 pub mod picture;
 pub mod report;
 pub mod request;
+pub mod size;
 pub mod test_card;

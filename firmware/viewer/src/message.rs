@@ -9,7 +9,7 @@ use embedded_graphics::prelude::Drawable;
 use embedded_graphics::primitives::Rectangle;
 use embedded_graphics::text::Text;
 
-use crate::canvas::{HEIGHT, WIDTH};
+use crate::size::{HEIGHT, WIDTH};
 
 /// Letters that fit a line: 240 pixels less a margin of 12 on both sides, 9 a letter.
 const COLUMNS: usize = 24;

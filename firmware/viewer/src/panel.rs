@@ -13,7 +13,7 @@ use mipidsi::interface::{Interface, InterfaceKind};
 use mipidsi::models::ILI9341Rgb565;
 use mipidsi::options::{ColorOrder, Orientation};
 
-use crate::canvas::{HEIGHT, WIDTH};
+use crate::size::{HEIGHT, WIDTH};
 
 /// Something that shows a frame.
 pub trait Screen {

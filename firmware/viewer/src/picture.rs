@@ -8,9 +8,9 @@ use rho_grid::frame::Frame;
 use rho_grid::render::{Buffers, EyeOrder, View, ViewError, draw_mode};
 use rho_grid::shading::Shading;
 
-use crate::canvas::{HEIGHT, PIXELS, WIDTH, Words};
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::request::Scene;
+use crate::size::{HEIGHT, PIXELS, WIDTH, Words};
 
 /// The background: black.
 const BACKGROUND: u16 = 0;

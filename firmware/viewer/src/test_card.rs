@@ -15,7 +15,7 @@ use embedded_graphics::prelude::{Drawable, Primitive};
 use embedded_graphics::primitives::{Circle, PrimitiveStyle, Rectangle};
 use embedded_graphics::text::{Alignment, Text};
 
-use crate::canvas::{HEIGHT, WIDTH};
+use crate::size::{HEIGHT, WIDTH};
 
 /// The bars from left to right, and the letter under each.
 const BARS: [(Rgb565, &str); 8] = [
@@ -149,13 +149,14 @@ fn fine_patterns<D: DrawTarget<Color = Rgb565>>(target: &mut D) -> Result<(), D:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::canvas::{Canvas, PIXELS};
+    use crate::size::PIXELS;
+    use rho_grid::frame::Frame;
     use std::boxed::Box;
 
     #[test]
     fn the_border_is_one_pixel_wide_and_touches_every_edge() {
         let mut words = Box::new([0x1234; PIXELS]);
-        let mut canvas = Canvas::new(&mut words);
+        let mut canvas = Frame::of_width(words.as_mut_slice(), WIDTH);
         draw(&mut canvas).unwrap();
         for x in 0..WIDTH {
             assert_eq!(canvas.pixel(x, 0), Some(Rgb565::WHITE));
@@ -174,7 +175,7 @@ mod tests {
     #[test]
     fn every_step_of_each_colour_is_there() {
         let mut words = Box::new([0; PIXELS]);
-        draw(&mut Canvas::new(&mut words)).unwrap();
+        draw(&mut Frame::of_width(words.as_mut_slice(), WIDTH)).unwrap();
         for bits in 0..32 {
             assert!(words.contains(&(bits << 11)), "red {bits}");
             assert!(words.contains(&bits), "blue {bits}");

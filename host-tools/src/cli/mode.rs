@@ -2,6 +2,7 @@
 
 use clap::Args;
 use fixed::traits::ToFixed;
+use rho_grid::blob::{Blob, Grid};
 use rho_grid::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
 use rho_grid::q::PixelSize;
 
@@ -44,11 +45,26 @@ impl ModeArgs {
             cell_size: self.cell_size.unwrap_or(default.cell_size),
         }
     }
+
+    /// What should be known before this mode draws this blob.
+    #[must_use]
+    pub fn warning(&self, blob: &Blob<'_>) -> Option<&'static str> {
+        let centred = |grid: Grid<'_>| grid.layout().offset == 0;
+        let discs = self.mode().footprint == FootprintMode::Disc;
+        (discs && blob.grid(0).is_some_and(centred)).then_some(
+            "this blob's samples have no offsets, and discs at the cells' centres leave holes: \
+             bake it with --thin --layout offset, or use --footprint box",
+        )
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::encode::{Encoding, encode};
+    use crate::palette::Palette;
+    use crate::sampling::{Separation, Tree, TreeLevel, TreeSample};
+    use rho_grid::blob::Layout;
 
     #[test]
     fn a_cell_size_is_read_to_the_nearest_step() {
@@ -61,6 +77,43 @@ mod tests {
         for text in ["-1", "256", "inf", "NaN", "small"] {
             assert!(pixel_size(text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn discs_without_offsets_are_warned_of() {
+        let discs = ModeArgs {
+            footprint: Some(FootprintMode::Disc),
+            ..ModeArgs::default()
+        };
+        for (layout, warned) in [(Layout::MATERIAL, true), (Layout::OFFSET, false)] {
+            let file = crate::blob_file::BlobFile::from_bytes(&one_leaf(layout), "leaf");
+            let blob = file.blob().unwrap();
+            assert_eq!(discs.warning(&blob).is_some(), warned);
+            assert_eq!(ModeArgs::default().warning(&blob), None);
+        }
+    }
+
+    fn one_leaf(layout: Layout) -> Vec<u8> {
+        let sample = TreeSample {
+            normal: glam::Vec3::Y,
+            offset: 0.0,
+            colour: [255; 3],
+        };
+        let level = |masks: &[u128]| TreeLevel {
+            samples: vec![sample],
+            masks: masks.to_vec(),
+        };
+        let tree = Tree {
+            sequence: vec![2],
+            separation: Separation::TwentySix,
+            levels: vec![level(&[1]), level(&[])],
+        };
+        let encoding = Encoding {
+            layout,
+            palette: Palette::of(std::iter::empty()),
+            origin: String::new(),
+        };
+        encode(&tree, &encoding)
     }
 
     #[test]
