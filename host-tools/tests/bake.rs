@@ -1,30 +1,17 @@
 //! `rho bake`, `rho info` and `rho render`, through the library and as a user runs them.
 
+mod common;
+
 use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use host_tools::bake::{BakeOptions, Baked, GridChoice, LayoutChoice, Progress, bake};
 use host_tools::model::{self, LoadOptions};
 use host_tools::sampling::{Separation, Sequence};
-use serde_json::Value;
 
-const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n\
-                           f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-
-fn rho(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rho"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("the command runs")
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{output:?}");
-    serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else")
-}
+use common::{TETRAHEDRON, json, rho};
 
 /// What a command that must end with exit 2 and print nothing says on stderr.
 fn refused(folder: &Path, arguments: &[&str]) -> String {

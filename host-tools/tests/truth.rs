@@ -1,26 +1,11 @@
 //! The commands `reference` and `compare`, as a user runs them.
 
+mod common;
+
 use std::io::Write;
-use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
-use serde_json::Value;
-
-const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n\
-                           f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-
-fn rho(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rho"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("the command runs")
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{output:?}");
-    serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else")
-}
+use common::{TETRAHEDRON, json, rho};
 
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();

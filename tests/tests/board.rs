@@ -150,6 +150,13 @@ fn a_damaged_model_is_told_on_the_panel() {
 }
 
 #[test]
+fn a_model_of_a_newer_version_is_told_on_the_panel() {
+    let mut blob = model::blob();
+    blob[8] += 1;
+    refused(&near().line(), Some(&blob), Exit::Model, "newer");
+}
+
+#[test]
 fn a_line_that_is_no_request_is_told_on_the_panel() {
     refused("", None, Exit::Request, "picture is missing");
     refused("picture=cat", None, Exit::Request, "test-card");

@@ -371,8 +371,7 @@ impl View {
     ) -> Option<Steps> {
         // The extents that the first order adds grow with r: half an extent where W is 24 D and
         // rho 3 twice. Nearer than that they cost more, in overdraw and in accuracy, than exact
-        // bounds a parent do (the bunny at 0.6: 10.5 M instructions and 28.6 dB with 2 for 24,
-        // 8.5 M and 32.9 dB so).
+        // bounds a parent do; tests/tests/quality.rs holds the views that show it.
         // (W and D are below 2^30 and 2^29, so 24 D is taken as 3 D of W / 8.)
         // Up to 4,096 pixels: Q16 holds all places then, on the largest frame.
         if w >> 3 < 3 * block.half.w || own.x.max(own.y) >= 1 << 20 {
