@@ -144,30 +144,67 @@ struct Block<'a, 'g, R> {
     reciprocal: PhantomData<R>,
 }
 
+impl<R: Reciprocal> Block<'_, '_, R> {
+    #[inline(always)]
+    fn parent(&self, subcell: u32, rank: u32, [i, j, k]: [i32; 3]) -> Option<stamp::Parent<'_>> {
+        let view = self.view;
+        let (mx, my) = (view.width << 7, view.height << 7);
+        let d = self.displacements.get(subcell as usize)?;
+        let centre = self.open.centre.plus(*d);
+        let over = OverW::new::<R>(centre.w, view.k);
+        let node = self.open.first_child + rank;
+        let [ex, ey, ez] = self.eye;
+        let [mask, ..] = self.below.mask::<3>(node);
+        Some(stamp::Parent {
+            x: over.times(centre.x) + mx,
+            y: over.times(centre.y) + my,
+            w: centre.w,
+            mask,
+            words: self.words,
+            first: self.below.first_child(node) as usize,
+            descending: [ex - 3 * i > 1, ey - 3 * j > 1, ez - 3 * k > 1],
+        })
+    }
+}
+
 impl<R: Reciprocal> stamp::Parents for Block<'_, '_, R> {
     #[inline(always)]
     fn each(&self, mut stamp: impl FnMut(&stamp::Parent<'_>)) {
-        let (view, open) = (self.view, self.open);
-        let (mx, my) = (view.width << 7, view.height << 7);
-        for &subcell in open.list.iter().take(usize::from(open.count)) {
-            let Some(d) = self.displacements.get(usize::from(subcell)) else {
-                continue;
-            };
-            let centre = open.centre.plus(*d);
-            let over = OverW::new::<R>(centre.w, view.k);
-            let node = open.first_child + order::rank(&open.mask, subcell);
-            let [i, j, k] = order::place(self.nodes.rho, subcell);
-            let [ex, ey, ez] = self.eye;
-            let [mask, ..] = self.below.mask::<3>(node);
-            let first = self.below.first_child(node) as usize;
-            stamp(&stamp::Parent {
-                x: over.times(centre.x) + mx,
-                y: over.times(centre.y) + my,
-                w: centre.w,
-                mask,
-                words: self.words.get(first..).unwrap_or_default(),
-                descending: [ex - 3 * i > 1, ey - 3 * j > 1, ez - 3 * k > 1],
-            });
+        let open = self.open;
+        if open.count > 0 {
+            for &subcell in open.list.iter().take(usize::from(open.count)) {
+                let rank = order::rank(&open.mask, subcell);
+                let place = order::place(self.nodes.rho, subcell);
+                if let Some(parent) = self.parent(subcell.into(), rank, place) {
+                    stamp(&parent);
+                }
+            }
+            return;
+        }
+        let [mask, ..] = open.mask;
+        let [dx, dy, dz] = self.eye.map(|e| e > 5);
+        let order = stamp::Order::new([dx, dy]);
+        let (low, mid, high) = (
+            order.cells(mask),
+            order.cells(mask >> 9),
+            order.cells(mask >> 18),
+        );
+        let ranks = [0, low.1, low.1 + mid.1];
+        let planes = [(low, 0, ranks[0]), (mid, 1, ranks[1]), (high, 2, ranks[2])];
+        let [a, b, c] = planes;
+        let (a, c) = if dz { (c, a) } else { (a, c) };
+        for ((cells, count), k, ranks) in [a, b, c] {
+            for at in 0..count {
+                let at = if order.backwards { count - 1 - at } else { at };
+                let entry = u32::from(cells.get(at).copied().unwrap_or(0));
+                let (cell, rank) = (entry & 15, entry >> 4);
+                let j = (cell * 11) >> 5;
+                let place = [(cell - 3 * j) as i32, j as i32, k];
+                let subcell = cell + 9 * k as u32;
+                if let Some(parent) = self.parent(subcell, rank + ranks as u32, place) {
+                    stamp(&parent);
+                }
+            }
         }
     }
 }
@@ -256,6 +293,13 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             return false;
         };
         let children = self.level(level + 1);
+        open.centre = cell.centre;
+        open.place = cell.place;
+        open.first_child = nodes.first_child(cell.node);
+        open.next = 0;
+        if F::DISCS && self.stamped::<R>(open, &cell, level) {
+            return false;
+        }
         let eye = self.eye_slab(children, cell.place, i32::from(nodes.rho));
         open.mask = match nodes.rho {
             2 => open.order::<2>(nodes, cell.node, eye),
@@ -263,10 +307,6 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             4 => open.order::<4>(nodes, cell.node, eye),
             _ => open.order::<5>(nodes, cell.node, eye),
         };
-        open.centre = cell.centre;
-        open.place = cell.place;
-        open.first_child = nodes.first_child(cell.node);
-        open.next = 0;
 
         let own = Half {
             x: cell.bounds.half_x,
@@ -309,9 +349,6 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         }
         let rho = i32::from(nodes.rho);
         let bounds = &cell.bounds;
-        if F::DISCS && below.rho == 3 && self.stamped::<R>(open, level, axis, bounds, w, rho) {
-            return false;
-        }
         let Some(group) = self.group::<F, R>(level, level + 2, axis, own, w, rho) else {
             return true;
         };
@@ -446,17 +483,9 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         }
     }
 
-    /// Stamps the grandchildren of an open cell of `level`; false when they cannot be stamped.
+    /// Stamps the grandchildren of a cell of `level`, if it is a block and can be stamped.
     #[inline(never)]
-    fn stamped<R: Reciprocal>(
-        &mut self,
-        open: &Open,
-        level: usize,
-        axis: [i32; 2],
-        bounds: &Bounds,
-        w: i32,
-        rho: i32,
-    ) -> bool {
+    fn stamped<R: Reciprocal>(&mut self, open: &mut Open, cell: &Cell, level: usize) -> bool {
         let Some([nodes, below]) = self
             .grid
             .levels()
@@ -467,25 +496,49 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         };
         let view = self.view;
         let (outer, inner) = (self.level(level), self.level(level + 2));
-        let own = Half {
-            x: bounds.half_x,
-            y: bounds.half_y,
-        };
+        let (w, bounds) = (cell.centre.w, &cell.bounds);
+        let dw = outer.half.w;
+        let leaves = level + 2 == self.grid.subdivisions();
+        let nearest = w - dw;
+        if below.rho != 3
+            || !(leaves || inner.stop_w <= nearest)
+            || self.level(level + 1).stop_w <= w + dw
+            || nearest < view.near
+        {
+            return false;
+        }
         let side = view.side::<R>(inner, w);
         let reach = Stamps::overhang(side);
         if !self.is_inside(bounds, Half { x: reach, y: reach }) {
             return false;
         }
+        let rho = i32::from(nodes.rho);
+        let (mx, my) = self.middle();
+        let axis = [bounds.x - mx, bounds.y - my];
         // A parent's place is exact; within it, a sample stands off by the part of a step by which
         // the parent's depth differs from the block's: an eighth of a pixel at most.
-        if w >> 3 < outer.half.w {
+        if w >> 3 < dw {
             return false;
         }
         let steps = view.steps_at::<R>(inner, axis, w);
         let layout = self.grid.layout();
-        let Some(stamps) = Stamps::new(view, layout, &steps, axis, own.x.max(own.y), side) else {
+        let own = bounds.half_x.max(bounds.half_y);
+        let Some(stamps) = Stamps::new(view, layout, &steps, axis, own, side) else {
             return false;
         };
+        // The lists of planes serve a cell divided by 3 that is seen from outside its middle slabs.
+        let eye = self.eye_slab(self.level(level + 1), cell.place, rho);
+        if rho == 3 && !eye.contains(&1) {
+            open.mask = nodes.mask::<3>(cell.node);
+            open.count = 0;
+        } else {
+            open.mask = match rho {
+                2 => open.order::<2>(nodes, cell.node, eye),
+                3 => open.order::<3>(nodes, cell.node, eye),
+                4 => open.order::<4>(nodes, cell.node, eye),
+                _ => open.order::<5>(nodes, cell.node, eye),
+            };
+        }
         let parents = Block {
             view,
             open,

@@ -5,12 +5,14 @@
 
 use super::{entry, mask};
 use crate::camera::Camera;
-use crate::normal::{BITS, FACES, OCTANT};
+use crate::normal::{BITS, FACES};
 
 /// Bits of a class.
 const CLASS_BITS: u32 = 9;
 /// Number of classes.
 pub(super) const CLASSES: usize = 1 << CLASS_BITS;
+/// Classes of an octant.
+const FACES_A_OCTANT: usize = CLASSES / 8;
 /// Bits of a normal that its class does not tell.
 pub(super) const FINER: u32 = BITS - CLASS_BITS;
 
@@ -39,29 +41,37 @@ impl Classes {
 
     /// Turns all classes into the camera's eye space.
     ///
-    /// The octants mirror each other: the nine products of a face serve eight classes.
+    /// The octants mirror each other: the nine products of a face serve eight classes, and of
+    /// opposite normals one follows from the other.
     pub(in crate::render) fn turn(&mut self, camera: &Camera) {
         // Q14.
         let rotation = camera.rotation.map(|row| row.map(|v| v.to_bits() >> 16));
         let [right, up, back] = rotation;
         let down = up.map(|v| -v);
+        let (front, opposite) = self.0.split_at_mut(CLASSES / 2);
         for (face, [x, y, z]) in FACES.iter().step_by(1 << FINER).enumerate() {
             let [x, y, z] = [*x, *y, *z].map(i32::from);
-            // Q28.
-            let times = |[a, b, c]: [i32; 3]| [a * x, b * y, c * z];
-            let (xs, ys, zs) = (times(right), times(down), times(back));
-            let octants = self.0.iter_mut().skip(face).step_by(OCTANT >> FINER);
-            for (octant, class) in octants.enumerate() {
-                let sum = |[a, b, c]: [i32; 3]| {
-                    let sign = |bit: usize, v: i32| if octant & bit == 0 { v } else { -v };
-                    sign(4, a) + sign(2, b) + sign(1, c)
-                };
-                let (x, y, z) = (sum(xs), sum(ys), sum(zs));
-                let across = |v: i32| (v + (1 << 22)) >> 23;
+            // Q28; the four sums of positive x, by the octant's two lower bits.
+            let sums = |[a, b, c]: [i32; 3]| {
+                let (a, b, c) = (a * x, b * y, c * z);
+                [a + b + c, a + b - c, a - b + c, a - b - c]
+            };
+            let (xs, ys, zs) = (sums(right), sums(down), sums(back));
+            let octants = xs.into_iter().zip(ys).zip(zs);
+            let front = front.iter_mut().skip(face).step_by(FACES_A_OCTANT);
+            let opposite = opposite.iter_mut().skip(face).step_by(FACES_A_OCTANT).rev();
+            for ((((x, y), z), class), opposite) in octants.zip(front).zip(opposite) {
+                let across = |v: i32| ((v + (1 << 22)) >> 23) as u32;
+                let across = across(x).wrapping_add(across(y) << 16);
                 let direction = mask::direction(x >> 14, y >> 14);
+                let towards = |z: i32| ((z << 2) as u32 & 0xFFFF_0000) | direction;
                 *class = Class {
-                    across: (across(x) as u32).wrapping_add((across(y) as u32) << 16),
-                    towards: ((z << 2) as u32 & 0xFFFF_0000) | direction,
+                    across,
+                    towards: towards(z),
+                };
+                *opposite = Class {
+                    across: 0u32.wrapping_sub(across),
+                    towards: towards(-z),
                 };
             }
         }
@@ -71,5 +81,43 @@ impl Classes {
     #[inline(always)]
     pub(super) fn of(&self, index: u32) -> Class {
         entry(&self.0, index >> FINER)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::normal::normal;
+    use crate::q::{Focal, Length, Rotation};
+    extern crate std;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_class_is_its_normal_in_eye_space(
+            yaw in -3.2..3.2f64, pitch in -1.5..1.5f64, index in 0..8192u32
+        ) {
+            let ((sy, cy), (sp, cp)) = (yaw.sin_cos(), pitch.sin_cos());
+            let rows = [[cy, 0.0, -sy], [-sy * sp, cp, -cy * sp], [sy * cp, sp, cy * cp]];
+            let bits = |v: f64| Rotation::from_bits((v * 1_073_741_823.0) as i32);
+            let camera = Camera {
+                rotation: rows.map(|row| row.map(bits)),
+                translation: [Length::ZERO; 3],
+                focal: Focal::ONE,
+                width: 1,
+                height: 1,
+            };
+            let mut classes = Classes::empty();
+            classes.turn(&camera);
+            let class = classes.of(index);
+            let n = normal(index >> FINER << FINER).map(|c| f64::from(c.to_bits()) / 16384.0);
+            let eye = rows.map(|r| r[0] * n[0] + r[1] * n[1] + r[2] * n[2]);
+            let x = f64::from(class.across as i16);
+            let y = (f64::from(class.across as i32) - x) / 65536.0;
+            prop_assert!((x / 32.0 - eye[0]).abs() < 0.017);
+            prop_assert!((y / 32.0 + eye[1]).abs() < 0.017);
+            let z = f64::from(class.towards as i32) / f64::from(1 << 30);
+            prop_assert!((z - eye[2]).abs() < 3e-4);
+        }
     }
 }

@@ -39,16 +39,16 @@ static OPPOSITE: Lists = lists(true);
 
 /// The order of the cells of a plane, by the side from which they are seen.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Order {
+pub(in crate::render) struct Order {
     lists: &'static Lists,
     /// The list is taken from its end.
-    pub(super) backwards: bool,
+    pub(in crate::render) backwards: bool,
 }
 
 impl Order {
     /// Along x and y, from the higher cells to the lower ones or from the lower to the higher.
     #[inline(always)]
-    pub(super) fn new(descending: [bool; 2]) -> Self {
+    pub(in crate::render) fn new(descending: [bool; 2]) -> Self {
         let [x, y] = descending;
         Self {
             lists: if x == y { &SAME } else { &OPPOSITE },
@@ -56,11 +56,11 @@ impl Order {
         }
     }
 
-    /// The cells in `plane` (nine bits), in the order of the list.
+    /// The cells in `plane` (nine bits) in the order of the list, and how many there are.
     #[inline(always)]
-    pub(super) fn cells(self, plane: u32) -> &'static [u8] {
+    pub(in crate::render) fn cells(self, plane: u32) -> (&'static [u8; 9], usize) {
         let List([count, cells @ ..]) = self.lists.0.get(plane as usize & 511).unwrap_or(&NONE);
-        cells.get(..usize::from(*count)).unwrap_or_default()
+        (cells, usize::from(*count))
     }
 }
 
@@ -77,7 +77,8 @@ mod tests {
         for plane in 0..512u32 {
             for (dx, dy) in [(false, false), (false, true), (true, false), (true, true)] {
                 let order = Order::new([dx, dy]);
-                let mut cells: Vec<u8> = order.cells(plane).to_vec();
+                let (cells, count) = order.cells(plane);
+                let mut cells: Vec<u8> = cells[..count].to_vec();
                 if order.backwards {
                     cells.reverse();
                 }

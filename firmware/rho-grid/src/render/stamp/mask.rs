@@ -256,7 +256,7 @@ pub(super) trait Round: Copy {
     /// a part of a pixel.
     const ROWS: usize;
 
-    /// The mask at the centre `parts`: its part of a pixel beyond that, 512 to the pixel, x in the
+    /// The mask at the centre `parts`: its part of a pixel beyond that, 1024 to the pixel, x in the
     /// lower half and y in the upper.
     fn mask(self, parts: u32) -> u32;
 
@@ -295,7 +295,7 @@ impl Round for Two {
     #[inline(always)]
     fn mask(self, parts: u32) -> u32 {
         // Four bits of each.
-        let place = parts >> 5 & 15 | (parts >> 21 & 15) << 4;
+        let place = parts >> 6 & 15 | (parts >> 22 & 15) << 4;
         u32::from(entry(self.0, place))
     }
 }
@@ -303,7 +303,7 @@ impl Round for Two {
 /// Three bits of each.
 #[inline(always)]
 fn large(table: &'static [u16; 64], parts: u32) -> u32 {
-    let place = parts >> 6 & 7 | (parts >> 22 & 7) << 3;
+    let place = parts >> 7 & 7 | (parts >> 23 & 7) << 3;
     u32::from(entry(table, place))
 }
 
@@ -357,7 +357,7 @@ pub(super) fn disc<C: Round>(circle: C, parts: u32, direction: u32, half: u32) -
     };
     let direction = entry(directions, direction);
     // x ax + y ay in the upper half: the lower one, x ay, is not negative and does not reach it.
-    let along = (parts.wrapping_mul(direction.across) as i32) >> 25;
+    let along = (parts.wrapping_mul(direction.across) as i32) >> 26;
     let place = direction.base.wrapping_add(along as u32);
     let beyond = |place: u32| u32::from(entry(&HALF_PLANES, place));
     circle.mask(parts)
@@ -411,7 +411,7 @@ mod tests {
     proptest! {
         #[test]
         fn a_mask_holds_the_pixels_of_circle_and_strip_but_those_near_their_edges(
-            r in 80..LARGEST, x in 0..512u32, y in 0..512u32,
+            r in 80..LARGEST, x in 0..1024u32, y in 0..1024u32,
             d in 0..16u32, part in 0.0..1.0f64
         ) {
             let radius = f64::from(r) / 256.0;
@@ -422,8 +422,8 @@ mod tests {
                 let (px, py) = (bit % 4, bit / 4);
                 // From the disc's centre to the pixel's.
                 let middle = (rows as f64 - 2.0) / 2.0;
-                let dx = f64::from(px) - middle - f64::from(x) / 512.0;
-                let dy = f64::from(py) - middle - f64::from(y) / 512.0;
+                let dx = f64::from(px) - middle - f64::from(x) / 1024.0;
+                let dy = f64::from(py) - middle - f64::from(y) / 1024.0;
                 let across = (dx * angle.cos() + dy * angle.sin()).abs();
                 let inside = half - across;
                 let inside = inside.min(radius - dx.hypot(dy));

@@ -14,7 +14,7 @@
 //!         mask = circle(place) within c radii along the normal
 //! ```
 //!
-//! Places are packed, x + 65536 y, in 512ths of a pixel from a corner near the block: sums and
+//! Places are packed, x + 65536 y, in 1024ths of a pixel from a corner near the block: sums and
 //! products of one word serve both. Half a class, half a place: the errors are a sixteenth of a
 //! pixel and a fortieth of the cosine; tests hold the masks to the exact disc
 //! ([`super::disc`]).
@@ -27,13 +27,13 @@ mod lists;
 mod mask;
 
 pub(super) use classes::Classes;
+pub(super) use lists::Order;
 
 use super::view::{Step, View};
 use super::visibility::{Stamp, Visibility};
 use crate::blob::Layout;
 use crate::shading::Shade;
 use classes::FINER;
-use lists::Order;
 use mask::{Circle, Four, Round, Three, Two};
 
 /// The entry of a table at `index`, taken modulo its length.
@@ -57,7 +57,7 @@ pub(super) struct Stamps<'v> {
     breadth: u32,
     /// From a plane of cells to the next.
     along_z: u32,
-    /// By offset step: sixteenths of a pixel.
+    /// By offset step: 32nds of a pixel.
     offsets: [i8; 8],
     /// From the middle of a plane of 3 x 3 cells to each.
     cells: [u32; 16],
@@ -83,14 +83,16 @@ pub(super) struct Parent<'g> {
     pub(super) w: i32,
     /// Its subcells, 27 bits.
     pub(super) mask: u32,
-    /// Attribute words, its first subcell's first.
+    /// Attribute words of all cells of its subcells' level.
     pub(super) words: &'g [u16],
+    /// The first of its own.
+    pub(super) first: usize,
     /// Along x, y, z: whether subcells are seen from the higher side.
     pub(super) descending: [bool; 3],
 }
 
 /// Half the window of packed places, in pixels.
-const REACH: i32 = 64;
+const REACH: i32 = 32;
 
 impl<'v> Stamps<'v> {
     /// For a block whose centre is projected to (x, y) (Q8 from the axis) with half extents `own`
@@ -109,7 +111,7 @@ impl<'v> Stamps<'v> {
             return None;
         }
         // A side of 2.6 pixels has discs of 0.8 sides then: still no holes.
-        if own > (REACH - 8) << 8 || side > 170_000 {
+        if own > (REACH - 4) << 8 || side > 170_000 {
             return None;
         }
         let (tx, ty) = (view.tangent(x), view.tangent(y));
@@ -125,12 +127,12 @@ impl<'v> Stamps<'v> {
         // 64ths of a pixel.
         let breadth = ((radius * length) >> 10) as u32;
 
-        // Sixteenths of a pixel, rounded; below 4 pixels, so below 64.
+        // 32nds of a pixel, rounded; below 2.6 pixels, so below 84.
         let unit = ((side >> 4) * i32::from(layout.offset_range)) >> 7;
-        let first = (1 << 7) - ((7 * unit) >> 3);
-        let offsets = core::array::from_fn(|step| ((first + ((unit * step as i32) >> 2)) >> 8) as i8);
+        let first = (1 << 6) - ((7 * unit) >> 3);
+        let offsets = core::array::from_fn(|step| ((first + ((unit * step as i32) >> 2)) >> 7) as i8);
 
-        let packed = |s: &Step| ((s.x >> 7) as u32).wrapping_add(((s.y >> 7) as u32) << 16);
+        let packed = |s: &Step| ((s.x >> 6) as u32).wrapping_add(((s.y >> 6) as u32) << 16);
         let [sx, sy, sz] = steps;
         let (sx, sy, along_z) = (packed(sx), packed(sy), packed(sz));
         let row = |middle: u32| [middle.wrapping_sub(sx), middle, middle.wrapping_add(sx)];
@@ -182,44 +184,58 @@ impl<'v> Stamps<'v> {
         let corner = target.corner(x, y);
         // From a centre to the middle of its window's first pixel, plus half a pixel, so that
         // what is left over after whole pixels are taken is the window's part.
-        let bias = 256 * (C::ROWS as i32 - 1);
-        let (x, y) = ((x << 9) + bias, (y << 9) + bias);
+        let bias = 512 * (C::ROWS as i32 - 1);
+        let (x, y) = ((x << 10) + bias, (y << 10) + bias);
         let mut tail = [0; 16];
         parents.each(|parent| {
             let [dx, dy, dz] = parent.descending;
             let order = Order::new([dx, dy]);
-            let middle = ((2 * parent.x - x) as u32).wrapping_add(((2 * parent.y - y) as u32) << 16);
-            let (mut plane, mut at, step) = if dz {
-                (2, middle.wrapping_add(self.along_z), 0u32.wrapping_sub(self.along_z))
-            } else {
-                (0u32, middle.wrapping_sub(self.along_z), self.along_z)
-            };
-            for _ in 0..3 {
-                let below = parent.mask & ((1 << (9 * plane)) - 1);
-                let bits = parent.mask >> (9 * plane) & 511;
-                if bits != 0 {
-                    let words = parent.words.get(below.count_ones() as usize..);
-                    let words = words.unwrap_or_default();
-                    let words: &[u16; 16] = match words.first_chunk() {
-                        Some(words) => words,
-                        None => {
-                            // The last words of the grid.
-                            for (tail, word) in tail.iter_mut().zip(words) {
-                                *tail = *word;
-                            }
-                            &tail
-                        }
-                    };
-                    let samples = Samples { words, at, w: parent.w, corner };
-                    let cells = order.cells(bits);
-                    if order.backwards {
-                        self.samples(target, &samples, cells.iter().rev(), circle, shading);
-                    } else {
-                        self.samples(target, &samples, cells.iter(), circle, shading);
-                    }
+            let middle = ((4 * parent.x - x) as u32).wrapping_add(((4 * parent.y - y) as u32) << 16);
+            let mask = parent.mask;
+            let low = order.cells(mask);
+            let mid = order.cells(mask >> 9);
+            let high = order.cells(mask >> 18);
+            let mut plane = |(cells, count): (&[u8; 9], usize), at: u32, first: usize| {
+                if count == 0 {
+                    return;
                 }
-                plane = if dz { plane.wrapping_sub(1) & 3 } else { plane + 1 };
-                at = at.wrapping_add(step);
+                let words = parent.words.get(first..).unwrap_or_default();
+                let words: &[u16; 16] = match words.first_chunk() {
+                    Some(words) => words,
+                    None => {
+                        // The last words of the grid.
+                        for (tail, word) in tail.iter_mut().zip(words) {
+                            *tail = *word;
+                        }
+                        &tail
+                    }
+                };
+                let samples = Samples {
+                    words,
+                    at,
+                    w: parent.w,
+                    corner,
+                };
+                let cells = cells.iter().take(count);
+                if order.backwards {
+                    self.samples(target, &samples, cells.rev(), circle, shading);
+                } else {
+                    self.samples(target, &samples, cells, circle, shading);
+                }
+            };
+            let first = parent.first;
+            let firsts = [first, first + low.1, first + low.1 + mid.1];
+            let below = middle.wrapping_sub(self.along_z);
+            let above = middle.wrapping_add(self.along_z);
+            let planes = [
+                (low, below, firsts[0]),
+                (mid, middle, firsts[1]),
+                (high, above, firsts[2]),
+            ];
+            let [a, b, c] = planes;
+            let (a, c) = if dz { (c, a) } else { (a, c) };
+            for (cells, at, first) in [a, b, c] {
+                plane(cells, at, first);
             }
         });
     }
@@ -249,12 +265,12 @@ impl<'v> Stamps<'v> {
             let mask = || {
                 let cosine = u64::from(towards.unsigned_abs());
                 let half = ((cosine * u64::from(self.breadth)) >> 32) as u32;
-                mask::disc(circle, place & 0x01FF_01FF, class.towards, half)
+                mask::disc(circle, place & 0x03FF_03FF, class.towards, half)
             };
             let stamp = Stamp {
                 corner: samples.corner,
-                x: place >> 9 & 127,
-                y: place >> 25,
+                x: place >> 10 & 63,
+                y: place >> 26,
                 away: towards < 0,
                 w: samples.w,
             };
