@@ -169,11 +169,20 @@ fn children(tree: &Tree) -> Vec<u8> {
     out
 }
 
+/// The step for an offset in sides of the cell, rounded down.
+///
+/// Of discs that overlap the foremost is seen, so that errors of rounding to nearest would all
+/// show on the outside: on the bunny that costs 1 dB at the silhouette.
+fn offset_step(layout: Layout, sides: f32) -> u32 {
+    let half_step = f32::from(layout.offset_range) / 128.0 / f32::from(1_u8 << layout.offset);
+    layout.offset_step(((sides - half_step).clamp(-2.0, 2.0) * 65536.0) as i32)
+}
+
 fn attributes(tree: &Tree, encoding: &Encoding) -> Vec<u8> {
     let word = |sample: &TreeSample| -> [u8; 2] {
         let layout = encoding.layout;
         let normal = normal_index(DVec3::from(sample.normal));
-        let offset = layout.offset_step((sample.offset.clamp(-2.0, 2.0) * 65536.0) as i32);
+        let offset = offset_step(layout, sample.offset);
         let material = if layout.material == 0 {
             0
         } else {
@@ -186,4 +195,28 @@ fn attributes(tree: &Tree, encoding: &Encoding) -> Vec<u8> {
         .flat_map(|level| level.samples.par_iter().map(word).collect::<Vec<_>>())
         .flatten()
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_offset_is_rounded_down_to_a_step() {
+        let thin = Layout::OFFSET_THIN;
+        // Steps lie at -7/16, -5/16 ... 7/16 of a cell.
+        for (sides, step) in [
+            (-1.0, 0),
+            (-0.32, 0),
+            (-0.31, 1),
+            (0.06, 3),
+            (0.07, 4),
+            (0.43, 6),
+            (0.44, 7),
+            (9.0, 7),
+        ] {
+            assert_eq!(offset_step(thin, sides), step, "{sides}");
+        }
+        assert_eq!(offset_step(Layout::MATERIAL, 0.4), 0);
+    }
 }

@@ -231,8 +231,8 @@ fn what_is_baked_under_a_memory_limit_took_no_more() {
     let folder = folder();
     let mut baked = 0;
     for (name, limits) in [
-        ("bunny", &[16, 20, 24, 28, 32, 48][..]),
-        ("tree_oak", &[160, 180]),
+        ("bunny", &[16, 28, 36, 40, 48, 64][..]),
+        ("tree_oak", &[240, 300]),
     ] {
         let path = model::scan(name).unwrap();
         for limit in limits {

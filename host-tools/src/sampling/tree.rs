@@ -97,12 +97,13 @@ impl FromStr for Sequence {
 /// What a grid keeps of the surface in one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreeSample {
-    /// Of length 1, as the surface has it at the point nearest the cell's centre.
+    /// Of length 1: the mean of the surface round the cell.
     pub normal: Vec3,
-    /// From the cell's centre along `normal` to the tangent plane at that point, in sides of
-    /// the cell; not clamped (a leaf's is within 0.87 where the surface is flat).
+    /// From the cell's centre along `normal` to the plane through that surface's centre of
+    /// gravity, in sides of the cell; not clamped (a leaf's is within 0.87 where the surface is
+    /// flat).
     pub offset: f32,
-    /// sRGB.
+    /// sRGB, that of the largest piece in the cell.
     pub colour: [u8; 3],
 }
 
