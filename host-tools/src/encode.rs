@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 use rho_grid::blob::format::{
-    BASE_NODES, CRC, ENTRY_BYTES, GRID_BYTES, HEADER_BYTES, MAGIC, MATERIAL_BYTES,
+    BASE_NODES, CRC, ENTRY_BYTES, GRID_BYTES, HEADER_BYTES, MAGIC, MATERIAL_BYTES, MAX_SECTIONS,
     MAX_SUBDIVISIONS, PAGE_BYTES, VERSION, kind,
 };
 use rho_grid::blob::{Layout, Material};
@@ -12,13 +12,16 @@ use crate::palette::Palette;
 use crate::quantise::normal_index;
 use crate::sampling::{Separation, Tree, TreeLevel, TreeSample};
 
+/// The most grids of a blob: each has four sections, and two are the blob's.
+pub const MAX_GRIDS: usize = (MAX_SECTIONS - 2) / 4;
+
 /// A blob in the making: sections in the order in which they are added.
 #[derive(Debug, Default)]
 struct Sections {
     entries: Vec<(u16, u16, Vec<u8>)>,
 }
 
-/// What goes into a blob beside its tree.
+/// What goes into a blob beside its trees.
 #[derive(Clone, Debug)]
 pub struct Encoding {
     /// What an attribute word holds.
@@ -32,19 +35,27 @@ pub struct Encoding {
 /// The blob with one grid.
 #[must_use]
 pub fn encode(tree: &Tree, encoding: &Encoding) -> Vec<u8> {
+    encode_all(std::slice::from_ref(tree), encoding)
+}
+
+/// The blob with a grid a tree, in their order; at most [`MAX_GRIDS`].
+#[must_use]
+pub fn encode_all(trees: &[Tree], encoding: &Encoding) -> Vec<u8> {
     let mut sections = Sections::default();
-    sections.add(kind::ORIGIN, encoding.origin.clone().into_bytes());
-    sections.add(kind::MATERIALS, materials(&encoding.palette.materials()));
-    sections.add(kind::GRID, description(tree, encoding.layout));
-    sections.add(kind::MASKS, masks(tree));
-    sections.add(kind::CHILDREN, children(tree));
-    sections.add(kind::ATTRIBUTES, attributes(tree, encoding));
+    sections.add(kind::ORIGIN, 0, encoding.origin.clone().into_bytes());
+    sections.add(kind::MATERIALS, 0, materials(&encoding.palette.materials()));
+    for (grid, tree) in (0..).zip(trees) {
+        sections.add(kind::GRID, grid, description(tree, encoding.layout));
+        sections.add(kind::MASKS, grid, masks(tree));
+        sections.add(kind::CHILDREN, grid, children(tree));
+        sections.add(kind::ATTRIBUTES, grid, attributes(tree, encoding));
+    }
     sections.write()
 }
 
 impl Sections {
-    fn add(&mut self, kind: u16, bytes: Vec<u8>) {
-        self.entries.push((kind, 0, bytes));
+    fn add(&mut self, kind: u16, grid: u16, bytes: Vec<u8>) {
+        self.entries.push((kind, grid, bytes));
     }
 
     fn write(self) -> Vec<u8> {

@@ -53,11 +53,12 @@ fn print(contents: &Contents) {
     }
     for (index, grid) in contents.grids.iter().enumerate() {
         println!(
-            "grid {index:<7} {}, {}-separating, {}, alpha {:.3}",
+            "grid {index:<7} {}, {}-separating, {}, alpha {:.3}, {} bytes",
             grid.sequence(),
             grid.separation,
             grid.layout,
-            grid.alpha
+            grid.alpha,
+            thousands(grid.bytes)
         );
         println!("{:>18}  {:>12}", "cells an axis", "nodes");
         for (cells, nodes) in grid.cells.iter().zip(&grid.nodes_by_level) {

@@ -46,12 +46,12 @@ impl ModeArgs {
         }
     }
 
-    /// What should be known before this mode draws this blob.
+    /// What should be known before this mode draws this grid of this blob.
     #[must_use]
-    pub fn warning(&self, blob: &Blob<'_>) -> Option<&'static str> {
+    pub fn warning(&self, blob: &Blob<'_>, grid: u16) -> Option<&'static str> {
         let centred = |grid: Grid<'_>| grid.layout().offset == 0;
         let discs = self.mode().footprint == FootprintMode::Disc;
-        (discs && blob.grid(0).is_some_and(centred)).then_some(
+        (discs && blob.grid(grid).is_some_and(centred)).then_some(
             "this blob's samples have no offsets, and discs at the cells' centres leave holes: \
              bake it with --thin --layout offset, or use --footprint box",
         )
@@ -88,8 +88,8 @@ mod tests {
         for (layout, warned) in [(Layout::MATERIAL, true), (Layout::OFFSET, false)] {
             let file = crate::blob_file::BlobFile::from_bytes(&one_leaf(layout), "leaf");
             let blob = file.blob().unwrap();
-            assert_eq!(discs.warning(&blob).is_some(), warned);
-            assert_eq!(ModeArgs::default().warning(&blob), None);
+            assert_eq!(discs.warning(&blob, 0).is_some(), warned);
+            assert_eq!(ModeArgs::default().warning(&blob, 0), None);
         }
     }
 

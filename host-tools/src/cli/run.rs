@@ -84,11 +84,10 @@ impl RunArgs {
                 let file = BlobFile::read(path)?;
                 // The device checks it again; here a broken one is told with what to do.
                 let blob = file.blob()?;
-                if let Some(warning) = self.mode.warning(&blob) {
+                if let Some(warning) = self.mode.warning(&blob, 0) {
                     eprintln!("warning: {warning}");
                 }
-                let grids = (0..blob.grid_count()).filter_map(|g| blob.grid(g));
-                let samples: u64 = grids.map(|g| u64::from(g.leaf_samples())).sum();
+                let samples: u64 = blob.grids().map(|g| u64::from(g.leaf_samples())).sum();
                 baked = format!(", {samples} samples in {} B of flash", file.bytes().len());
                 Some(file)
             }
