@@ -3,14 +3,18 @@
 use fixed::traits::ToFixed;
 use glam::DVec3;
 use rho_grid::blob::Blob;
+use rho_grid::camera::Camera;
 use rho_grid::frame::Frame;
-use rho_grid::mode::{Mode, VisibilityMode};
+use rho_grid::mode::{FrameMode, Mode, VisibilityMode};
 use rho_grid::q::Unit;
-use rho_grid::render::{self, EyeOrder, Rect, Visibility, ZBuffer};
-use rho_grid::shading::Shading;
+use rho_grid::render::{self, EyeOrder, Rect, Tones, Visibility, ZBuffer, tone_words};
+use rho_grid::shading::{Palette, Shading, ToneTable};
 
 use crate::failure::{Failure, Outcome};
 use crate::view::View;
+
+/// Pixels a row of the widest picture.
+const WIDEST: usize = Camera::MAX_SIDE as usize;
 
 /// Black; the standard scene's background.
 pub const BACKGROUND: u16 = 0;
@@ -89,6 +93,20 @@ pub fn render_grid(
     tables
         .prepare(&camera, &grid, mode.cell_size)
         .map_err(|e| Failure::input(e.to_string()))?;
+    let mut w = vec![0; pixels];
+    if mode.frame == FrameMode::Tones {
+        let mut table = ToneTable::empty();
+        table.shade(grid.layout(), blob.materials().len(), light(towards));
+        let mut buffer = vec![0; tone_words(WIDEST, height)];
+        let inner = Tones::<WIDEST, { 3 * WIDEST + 4 }>::cleared(&mut buffer, width, height)
+            .ok_or_else(|| internal("frame size"))?;
+        let mut target = Recorder::new(inner, &mut w, width);
+        render::draw_seen(mode, &grid, &tables, &table, &mut target);
+        let palette = Palette::new(blob.materials(), BACKGROUND);
+        let tones = target.inner.rows().flatten();
+        words = tones.map(|tone| palette.colour(*tone)).collect();
+        return Ok(drawn(&tables, (width, height), words, w));
+    }
     let shading = Shading::new(
         &mut colours,
         grid.layout(),
@@ -97,7 +115,6 @@ pub fn render_grid(
     )
     .ok_or_else(|| internal("shading table"))?;
     let mut frame = Frame::new(&mut words, width, height).ok_or_else(|| internal("frame size"))?;
-    let mut w = vec![0; pixels];
     match mode.visibility {
         VisibilityMode::Eye => {
             let mut bits = vec![0; EyeOrder::words(width, height)];
@@ -112,6 +129,15 @@ pub fn render_grid(
             render::draw_seen(mode, &grid, &tables, &shading, &mut target);
         }
     }
+    Ok(drawn(&tables, (width, height), words, w))
+}
+
+fn drawn(
+    tables: &render::View,
+    (width, height): (u16, u16),
+    words: Vec<u16>,
+    w: Vec<i32>,
+) -> Drawn {
     let unit = (-f64::from(tables.w_bits())).exp2();
     let depth = w
         .into_iter()
@@ -120,12 +146,12 @@ pub fn render_grid(
             w => (f64::from(w) * unit) as f32,
         })
         .collect();
-    Ok(Drawn {
+    Drawn {
         width,
         height,
         words,
         depth,
-    })
+    }
 }
 
 /// A visibility method that also remembers the w of what it shows.

@@ -36,6 +36,15 @@ pub enum ReciprocalMode {
     Table,
 }
 
+/// What a frame is kept in while it is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameMode {
+    /// RGB565 words.
+    Words,
+    /// A byte a pixel, an index of 128 tones; for eye order only.
+    Tones,
+}
+
 /// A renderer and its one threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mode {
@@ -45,6 +54,8 @@ pub struct Mode {
     pub footprint: FootprintMode,
     /// How 1/w is found.
     pub reciprocal: ReciprocalMode,
+    /// What the frame is kept in.
+    pub frame: FrameMode,
     /// A cell whose projection is at most this large is drawn from its own sample, its
     /// subcells are not visited.
     pub cell_size: PixelSize,
@@ -56,6 +67,7 @@ impl Default for Mode {
             visibility: VisibilityMode::Eye,
             footprint: FootprintMode::Box,
             reciprocal: ReciprocalMode::Divide,
+            frame: FrameMode::Words,
             cell_size: PixelSize::from_bits(128),
         }
     }
@@ -118,6 +130,9 @@ names!(
     ReciprocalMode, "divide, table",
     ReciprocalMode::Divide => "divide", ReciprocalMode::Table => "table"
 );
+names!(
+    FrameMode, "words, tones", FrameMode::Words => "words", FrameMode::Tones => "tones"
+);
 
 #[cfg(test)]
 mod tests {
@@ -132,6 +147,9 @@ mod tests {
             assert_eq!(v.name().parse(), Ok(*v));
         }
         for v in ReciprocalMode::ALL {
+            assert_eq!(v.name().parse(), Ok(*v));
+        }
+        for v in FrameMode::ALL {
             assert_eq!(v.name().parse(), Ok(*v));
         }
     }

@@ -5,8 +5,11 @@ use core::fmt;
 use rho_grid::blob::format::{MAX_MATERIALS, kind};
 use rho_grid::blob::{Blob, BlobError, Grid};
 use rho_grid::frame::Frame;
-use rho_grid::render::{Buffers, EyeOrder, View, ViewError, draw_mode};
-use rho_grid::shading::Shading;
+use rho_grid::mode::FrameMode;
+use rho_grid::render::{
+    Buffers, EyeOrder, Tones, View, ViewError, draw_mode, draw_seen, tone_words,
+};
+use rho_grid::shading::{Palette, Shading, ToneTable};
 
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::request::Scene;
@@ -22,7 +25,12 @@ pub struct Memory {
     colours: [u16; Shading::words(MAX_MATERIALS)],
     coverage: [u32; EyeOrder::words(WIDTH, HEIGHT)],
     depth: [u16; PIXELS],
+    tone_table: ToneTable,
+    tones: [u32; tone_words(WIDTH as usize, HEIGHT)],
 }
+
+/// A frame of a byte a pixel, as wide as the panel.
+type PanelTones<'a> = Tones<'a, { WIDTH as usize }, { 3 * WIDTH as usize + 4 }>;
 
 impl Memory {
     /// All zeros, so that a board's static costs no flash.
@@ -33,6 +41,8 @@ impl Memory {
             colours: [0; Shading::words(MAX_MATERIALS)],
             coverage: [0; EyeOrder::words(WIDTH, HEIGHT)],
             depth: [0; PIXELS],
+            tone_table: ToneTable::empty(),
+            tones: [0; tone_words(WIDTH as usize, HEIGHT)],
         }
     }
 }
@@ -102,6 +112,8 @@ impl<'a> Model<'a> {
             colours,
             coverage,
             depth,
+            tone_table,
+            tones,
         } = memory;
         let Scene {
             camera,
@@ -112,6 +124,26 @@ impl<'a> Model<'a> {
         watch
             .time(Phase::Setup, || view.prepare(camera, grid, mode.cell_size))
             .map_err(ModelError::View)?;
+        if mode.frame == FrameMode::Tones {
+            watch.time(Phase::ShadingTables, || {
+                tone_table.shade(grid.layout(), blob.materials().len(), *light);
+            });
+            let mut frame = watch
+                .time(Phase::Clear, || {
+                    PanelTones::cleared(tones, camera.width, camera.height)
+                })
+                .ok_or(ModelError::TooLarge)?;
+            watch.time(Phase::Draw, || {
+                draw_seen(*mode, grid, view, tone_table, &mut frame);
+            });
+            watch.time(Phase::Send, || {
+                let palette = Palette::new(blob.materials(), BACKGROUND);
+                for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
+                    *word = palette.colour(*tone);
+                }
+            });
+            return Ok(());
+        }
         let shading = watch
             .time(Phase::ShadingTables, || {
                 Shading::new(colours, grid.layout(), blob.materials(), *light)

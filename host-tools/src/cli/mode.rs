@@ -3,7 +3,7 @@
 use clap::Args;
 use fixed::traits::ToFixed;
 use rho_grid::blob::{Blob, Grid};
-use rho_grid::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
+use rho_grid::mode::{FootprintMode, FrameMode, Mode, ReciprocalMode, VisibilityMode};
 use rho_grid::q::PixelSize;
 
 /// The flags that choose how a frame is drawn; what is not given is [`Mode::default`]'s.
@@ -13,12 +13,15 @@ pub struct ModeArgs {
     /// How the nearest sample of a pixel is found: eye, z
     #[arg(long, value_name = "NAME")]
     visibility: Option<VisibilityMode>,
-    /// Which pixels a sample colours: point, splat, box
+    /// Which pixels a sample colours: point, splat, box, disc
     #[arg(long, value_name = "NAME")]
     footprint: Option<FootprintMode>,
     /// How 1/w is found: divide, table
     #[arg(long, value_name = "NAME")]
     reciprocal: Option<ReciprocalMode>,
+    /// What the frame is kept in: words (RGB565), tones (a byte a pixel; eye order only)
+    #[arg(long, value_name = "NAME")]
+    frame: Option<FrameMode>,
     /// A cell at most this large on the screen is drawn from its own sample
     #[arg(long, value_name = "PX", value_parser = pixel_size, allow_hyphen_values = true)]
     cell_size: Option<PixelSize>,
@@ -42,16 +45,17 @@ impl ModeArgs {
             visibility: self.visibility.unwrap_or(default.visibility),
             footprint: self.footprint.unwrap_or(default.footprint),
             reciprocal: self.reciprocal.unwrap_or(default.reciprocal),
+            frame: self.frame.unwrap_or(default.frame),
             cell_size: self.cell_size.unwrap_or(default.cell_size),
         }
     }
 
-    /// What should be known before this mode draws this grid of this blob.
+    /// What should be known before this mode draws this blob.
     #[must_use]
-    pub fn warning(&self, blob: &Blob<'_>, grid: u16) -> Option<&'static str> {
+    pub fn warning(&self, blob: &Blob<'_>) -> Option<&'static str> {
         let centred = |grid: Grid<'_>| grid.layout().offset == 0;
         let discs = self.mode().footprint == FootprintMode::Disc;
-        (discs && blob.grid(grid).is_some_and(centred)).then_some(
+        (discs && blob.grids().any(centred)).then_some(
             "this blob's samples have no offsets, and discs at the cells' centres leave holes: \
              bake it with --thin --layout offset, or use --footprint box",
         )
@@ -88,8 +92,8 @@ mod tests {
         for (layout, warned) in [(Layout::MATERIAL, true), (Layout::OFFSET, false)] {
             let file = crate::blob_file::BlobFile::from_bytes(&one_leaf(layout), "leaf");
             let blob = file.blob().unwrap();
-            assert_eq!(discs.warning(&blob, 0).is_some(), warned);
-            assert_eq!(ModeArgs::default().warning(&blob, 0), None);
+            assert_eq!(discs.warning(&blob).is_some(), warned);
+            assert_eq!(ModeArgs::default().warning(&blob), None);
         }
     }
 

@@ -70,11 +70,7 @@ impl Render {
         let file = BlobFile::read(&self.blob)?;
         let mode = self.mode_args.mode();
         let blob = file.blob()?;
-        if let Some(warning) = self
-            .mode_args
-            .warning(&blob, self.grid)
-            .filter(|_| !self.quiet)
-        {
+        if let Some(warning) = self.mode_args.warning(&blob).filter(|_| !self.quiet) {
             eprintln!("warning: {warning}");
         }
         let (view, light) = (self.view_args.view(), self.view_args.light());

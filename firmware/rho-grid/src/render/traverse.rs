@@ -21,12 +21,13 @@ use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
 use super::order::{self, List, Order};
 use super::project::{Bounds, Homogeneous, OverW};
+use super::stamp::{self, Stamps};
 use super::view::{Half, LevelView, Slabs, Step, Steps, View};
 use super::visibility::{Rect, Visibility};
 use crate::blob::format::MAX_SUBDIVISIONS;
 use crate::blob::{Grid, Level};
 use crate::reciprocal::Reciprocal;
-use crate::shading::Shading;
+use crate::shading::Shade;
 
 /// A cell whose subcells are being visited.
 #[derive(Clone, Copy, Debug)]
@@ -118,10 +119,10 @@ struct Parent {
     mask: [u32; 4],
 }
 
-struct Walk<'g, 'v, V> {
+struct Walk<'g, 'v, V, S> {
     grid: &'g Grid<'g>,
     view: &'v View,
-    shading: &'v Shading<'v>,
+    shading: &'v S,
     target: &'v mut V,
 }
 
@@ -131,7 +132,7 @@ struct Walk<'g, 'v, V> {
 pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
     grid: &Grid<'_>,
     view: &View,
-    shading: &Shading<'_>,
+    shading: &impl Shade,
     target: &mut V,
 ) {
     Walk {
@@ -143,7 +144,7 @@ pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
     .run::<F, R>();
 }
 
-impl<'v, V: Visibility> Walk<'_, 'v, V> {
+impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
     fn run<F: Footprint, R: Reciprocal>(&mut self) {
         let mut stack = [Open::NONE; MAX_SUBDIVISIONS];
         let Some(root) = self.root::<R>() else {
@@ -261,10 +262,13 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             return true;
         }
         let rho = i32::from(nodes.rho);
+        let bounds = &cell.bounds;
+        if F::DISCS && below.rho == 3 && self.stamped::<R>(open, level, axis, bounds, w, rho) {
+            return false;
+        }
         let Some(group) = self.group::<F, R>(level, level + 2, axis, own, w, rho) else {
             return true;
         };
-        let bounds = &cell.bounds;
         match below.rho {
             2 => self.block::<F, R, 2>(open, half, level, &group, bounds),
             3 => self.block::<F, R, 3>(open, half, level, &group, bounds),
@@ -394,6 +398,72 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             };
             self.samples::<F, RHO>(&from, level + 1, Order::new(eye), &stencil);
         }
+    }
+
+    /// Stamps the grandchildren of an open cell of `level`; false when they cannot be stamped.
+    #[inline(never)]
+    fn stamped<R: Reciprocal>(
+        &mut self,
+        open: &Open,
+        level: usize,
+        axis: [i32; 2],
+        bounds: &Bounds,
+        w: i32,
+        rho: i32,
+    ) -> bool {
+        let Some([nodes, below]) = self
+            .grid
+            .levels()
+            .get(level..level + 2)
+            .and_then(|l| l.first_chunk())
+        else {
+            return false;
+        };
+        let view = self.view;
+        let (outer, inner) = (self.level(level), self.level(level + 2));
+        let own = Half {
+            x: bounds.half_x,
+            y: bounds.half_y,
+        };
+        let side = view.side::<R>(inner, w);
+        let reach = Stamps::overhang(side);
+        if !self.is_inside(bounds, Half { x: reach, y: reach }) {
+            return false;
+        }
+        let Some(steps) = view.steps::<R>(outer, inner, axis, own, w, rho) else {
+            return false;
+        };
+        let layout = self.grid.layout();
+        let Some(stamps) = Stamps::new(view, layout, &steps, axis, own.x.max(own.y), side) else {
+            return false;
+        };
+        let displacements = view.displacements(outer);
+        let first = self.first(level + 2);
+        let (mx, my) = self.middle();
+        let [ox, oy, oz] = open.place.map(|p| p * rho);
+        let (grid, shading) = (self.grid, self.shading);
+        for &subcell in open.list.iter().take(usize::from(open.count)) {
+            let Some(d) = displacements.get(usize::from(subcell)) else {
+                continue;
+            };
+            let centre = open.centre.plus(*d);
+            let (x, y) = self.on_screen::<R>(centre);
+            let node = open.first_child + order::rank(&open.mask, subcell);
+            let [i, j, k] = order::place(nodes.rho, subcell);
+            let eye = self.eye_slab(inner, [ox + i, oy + j, oz + k], 3);
+            let [mask, ..] = below.mask::<3>(node);
+            let start = first + below.first_child(node);
+            let parent = stamp::Parent {
+                x: x + mx,
+                y: y + my,
+                w: centre.w,
+                mask,
+                words: grid.attributes().get(start as usize..).unwrap_or_default(),
+                descending: eye.map(|e| e > 1),
+            };
+            stamps.stamp(self.target, &parent, |word| shading.colour(word));
+        }
+        true
     }
 
     /// Draws all children of a cell of `level`.

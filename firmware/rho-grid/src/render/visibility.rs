@@ -58,6 +58,32 @@ pub trait Visibility {
             }
         }
     }
+
+    /// Whether a pixel may still show what is drawn next; pixels beyond the frame may not.
+    #[inline(always)]
+    fn is_open(&self, x: u32, y: u32) -> bool {
+        !self.is_hidden(Rect::pixel(x, y))
+    }
+
+    /// Draws a sample, where it shows, over the pixels that `mask` names: bit `4 j + i` for the
+    /// pixel i to the right of `at` and j below it. Its upper bits, from row `ROWS` on, are 0; so
+    /// are those of pixels beyond the frame.
+    #[inline(always)]
+    fn stamp<const ROWS: usize>(
+        &mut self,
+        at: (i32, i32),
+        mask: u32,
+        w: i32,
+        colour: impl Fn() -> u16,
+    ) {
+        let mut left = mask;
+        while left != 0 {
+            let bit = left.trailing_zeros();
+            left &= left - 1;
+            let (x, y) = (at.0 + (bit % 4) as i32, at.1 + (bit / 4) as i32);
+            self.draw(Rect::pixel(x as u32, y as u32), w, &colour);
+        }
+    }
 }
 
 /// A set of pixels, asked row by row.
