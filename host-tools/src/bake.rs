@@ -34,6 +34,8 @@ pub struct BakeOptions {
     pub separation: Separation,
     /// What a sample's word holds.
     pub layout: LayoutChoice,
+    /// Which nodes have samples.
+    pub samples: SampleChoice,
     /// How the model is read; its memory limit is that of the whole bake.
     pub load: LoadOptions,
     /// Where a model is looked for that is not in the current folder.
@@ -49,6 +51,7 @@ impl Default for BakeOptions {
             ]),
             separation: Separation::TwentySix,
             layout: LayoutChoice::Material,
+            samples: SampleChoice::All,
             load: LoadOptions::default(),
             models: None,
         }
@@ -95,6 +98,16 @@ impl LayoutChoice {
             Self::Offset => "offset",
         }
     }
+}
+
+/// Which nodes of a grid have samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum SampleChoice {
+    /// All: what is small on the screen is drawn from fewer samples
+    #[default]
+    All,
+    /// The leaves alone: a tenth smaller, for grids of which each serves one distance
+    Leaves,
 }
 
 /// How far a bake is, for who watches it from another thread.
@@ -400,7 +413,11 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
         for &rho in sequence.as_slice().iter().rev() {
             level = (level / f64::from(rho).powi(2)).max(1.0);
             let mask = f64::from(4 * mask_words(rho, 4) as u32) / 4.0;
-            bytes += level * (word + mask + 2.0);
+            let sample = match self.options.samples {
+                SampleChoice::All => word,
+                SampleChoice::Leaves => 0.0,
+            };
+            bytes += level * (sample + mask + 2.0);
         }
         bytes as u64
     }
@@ -437,11 +454,16 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
         let trees = samplings
             .par_iter()
             .map(|sampling| {
-                let tree = sampling.sample(self.geometry, &self.progress.leaves);
-                tree.map_err(|failure| Failure {
-                    message: format!("{}: {}", self.model.name, failure.message),
-                    ..failure
-                })
+                let mut tree = sampling
+                    .sample(self.geometry, &self.progress.leaves)
+                    .map_err(|failure| Failure {
+                        message: format!("{}: {}", self.model.name, failure.message),
+                        ..failure
+                    })?;
+                if self.options.samples == SampleChoice::Leaves {
+                    tree.drop_intermediate_samples();
+                }
+                Ok(tree)
             })
             .collect::<Outcome<Vec<Tree>>>()?;
         seconds.sample += started.elapsed().as_secs_f64();
@@ -479,12 +501,17 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
         let BakeOptions {
             separation,
             layout,
+            samples,
             load,
             ..
         } = self.options;
         let thin = match separation {
             Separation::TwentySix => "",
             Separation::Six => "--thin ",
+        };
+        let samples = match samples {
+            SampleChoice::All => "",
+            SampleChoice::Leaves => " --samples leaves",
         };
         let up = match load.up {
             Up::Y => "y",
@@ -496,7 +523,7 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
             .map(|sequence| format!("--rho {sequence} "))
             .collect();
         let mut origin = format!(
-            "generator=rho {}\noptions={rho}{thin}--layout {} --up {up}{white}\n\
+            "generator=rho {}\noptions={rho}{thin}--layout {}{samples} --up {up}{white}\n\
              source={}\n",
             env!("CARGO_PKG_VERSION"),
             layout.name(),

@@ -9,7 +9,7 @@ use serde::Serialize;
 /// What is in a blob; the sums are over its grids.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Contents {
-    /// Intermediate samples and leaves.
+    /// Intermediate nodes and leaves.
     pub nodes: u64,
     /// Samples of the finest levels.
     pub leaf_samples: u64,
@@ -32,8 +32,10 @@ pub struct GridContents {
     pub rho: Vec<u8>,
     /// Cells an axis by level, from the root's 1.
     pub cells: Vec<u32>,
-    /// Intermediate samples and leaves.
+    /// Intermediate nodes and leaves.
     pub nodes: u64,
+    /// The level from which on nodes have samples: 0 for all of them.
+    pub first_sampled: usize,
     /// Nodes of each level, the root's 1 first, the leaves last.
     pub nodes_by_level: Vec<u64>,
     /// Samples of the finest level.
@@ -131,6 +133,7 @@ impl GridContents {
             rho: levels.iter().map(|level| level.rho).collect(),
             cells: (0..=levels.len()).map(|level| grid.cells(level)).collect(),
             nodes,
+            first_sampled: grid.first_sampled(),
             nodes_by_level: levels
                 .iter()
                 .map(|level| u64::from(level.nodes))

@@ -130,8 +130,10 @@ fn description(tree: &Tree, layout: Layout) -> Vec<u8> {
     out.extend(&tree.sequence);
     out.resize(8 + MAX_SUBDIVISIONS, 0);
     for level in &tree.levels {
-        out.extend((level.samples.len() as u32).to_le_bytes());
+        out.extend((level.nodes() as u32).to_le_bytes());
     }
+    out.resize(GRID_BYTES - 4, 0);
+    out.push(tree.first_sampled() as u8);
     out.resize(GRID_BYTES, 0);
     out
 }

@@ -143,6 +143,30 @@ fn the_finest_grid_that_fits_is_chosen() {
     }
 }
 
+#[test]
+fn a_blob_without_intermediate_samples_says_so_and_is_smaller_by_them() {
+    let folder = folder();
+    let at = folder.path();
+    let bake = |more: &[&str]| {
+        let command = [
+            "bake", "t.obj", "-o", "t.rho", "--rho", "3,3,3", "--thin", "--json",
+        ];
+        json(&rho(at, &[&command[..], more].concat()))
+    };
+    let (all, leaves) = (bake(&[]), bake(&["--samples", "leaves"]));
+    let count = |object: &serde_json::Value, key: &str| object[key].as_u64().unwrap();
+    let inner = count(&all, "nodes") - count(&all, "leaf_samples");
+    let attributes = |object: &serde_json::Value| count(&object["bytes"], "attributes");
+    assert_eq!(attributes(&all) - attributes(&leaves), 2 * inner);
+    assert_eq!(leaves["nodes"], all["nodes"]);
+    assert_eq!(
+        leaves["origin"]["options"],
+        "--rho 3,3,3 --thin --layout material --samples leaves --up y"
+    );
+    let text = String::from_utf8(rho(at, &["info", "t.rho"]).stdout).unwrap();
+    assert_eq!(text.matches("without samples").count(), 3, "{text}");
+}
+
 /// The finer grid is given first: grids are numbered as they are given.
 #[test]
 fn several_grids_in_a_blob_are_those_of_blobs_of_their_own() {

@@ -15,6 +15,7 @@ use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use proptest::prelude::*;
 use rho_grid::blob::{Blob, BlobError, Layout};
 use rho_grid::mode::Mode;
+use rho_grid::q::PixelSize;
 
 /// Four faces in three colours, off centre, so that no two axes are alike.
 fn tetrahedron() -> Mesh {
@@ -36,24 +37,31 @@ fn tetrahedron() -> Mesh {
 
 /// A grid for each of the sequences, which blanks part.
 fn blob(sequences: &str, separation: Separation, layout: Layout) -> Vec<u8> {
-    let mesh = tetrahedron();
-    let tree = |sequence: &str| {
-        let sampling = Sampling {
-            sequence: sequence.parse().unwrap(),
-            separation,
-            memory: 1 << 24,
-        };
-        sampling
-            .sample(&Triangles::new(&mesh), &AtomicU64::new(0))
-            .unwrap()
+    let trees: Vec<Tree> = sequences
+        .split(' ')
+        .map(|sequence| tree(sequence, separation))
+        .collect();
+    encoded(&trees, layout)
+}
+
+fn tree(sequence: &str, separation: Separation) -> Tree {
+    let sampling = Sampling {
+        sequence: sequence.parse().unwrap(),
+        separation,
+        memory: 1 << 24,
     };
-    let trees: Vec<Tree> = sequences.split(' ').map(tree).collect();
+    sampling
+        .sample(&Triangles::new(&tetrahedron()), &AtomicU64::new(0))
+        .unwrap()
+}
+
+fn encoded(trees: &[Tree], layout: Layout) -> Vec<u8> {
     let encoding = Encoding {
         layout,
-        palette: Palette::of(mesh.colours.iter().copied()),
+        palette: Palette::of(tetrahedron().colours.into_iter()),
         origin: "generator=test\n".to_owned(),
     };
-    encode_all(&trees, &encoding)
+    encode_all(trees, &encoding)
 }
 
 /// The blob that most tests damage.
@@ -77,6 +85,7 @@ fn parse(bytes: &[u8]) -> Result<(), BlobError> {
 #[test]
 fn the_bytes_are_those_of_version_1() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
+    let mut blobs = vec![("2-3-leaves-thin", leaves_alone())];
     for (name, sequence, separation, layout) in [
         ("3-3", "3,3", Separation::TwentySix, Layout::MATERIAL),
         ("2-3", "2,3", Separation::TwentySix, Layout::MATERIAL),
@@ -90,7 +99,9 @@ fn the_bytes_are_those_of_version_1() {
             Layout::OFFSET_THIN,
         ),
     ] {
-        let bytes = blob(sequence, separation, layout);
+        blobs.push((name, blob(sequence, separation, layout)));
+    }
+    for (name, bytes) in blobs {
         let text: String = bytes
             .chunks(32)
             .map(|row| row.iter().map(|b| format!("{b:02x}")).collect::<String>() + "\n")
@@ -209,6 +220,7 @@ fn assemble(sections: &[Section]) -> Vec<u8> {
 fn two_writers_of_the_specification_agree() {
     for bytes in [
         small(),
+        leaves_alone(),
         blob("5", Separation::Six, Layout::OFFSET_THIN),
         blob("3,3,3,3", Separation::TwentySix, Layout::MATERIAL),
         two_grids(),
@@ -263,6 +275,49 @@ fn a_missing_section_is_named_but_the_origin_may_be_missing() {
         };
         assert_eq!(parse(&assemble(&all)), expected);
     }
+}
+
+/// The tetrahedron by 2,3 with samples at its leaves alone.
+fn leaves_alone() -> Vec<u8> {
+    let mut tree = tree("2,3", Separation::Six);
+    tree.drop_intermediate_samples();
+    encoded(&[tree], Layout::OFFSET_THIN)
+}
+
+#[test]
+fn without_intermediate_samples_cells_are_opened_however_small() {
+    let all = blob("2,3", Separation::Six, Layout::OFFSET_THIN);
+    let drawn = |bytes: &[u8], cell_size: u16| {
+        let file = BlobFile::from_bytes(bytes, "drawn");
+        let mode = Mode {
+            cell_size: PixelSize::from_num(cell_size),
+            ..Mode::default()
+        };
+        let view = StandardView::FarTurned.into();
+        let drawn = render_grid(&file.blob().unwrap(), 0, &view, STANDARD_LIGHT, mode);
+        drawn.unwrap().words
+    };
+    let leaves = leaves_alone();
+    assert!(drawn(&all, 0) != drawn(&all, 60), "else nothing is shown");
+    assert!(drawn(&leaves, 60) == drawn(&all, 0));
+    assert!(drawn(&leaves, 0) == drawn(&all, 0));
+
+    let file = BlobFile::from_bytes(&all, "all");
+    let (whole, file) = (
+        file.blob().unwrap().grid(0).unwrap(),
+        BlobFile::from_bytes(&leaves, "leaves"),
+    );
+    let grid = file.blob().unwrap().grid(0).unwrap();
+    assert_eq!((grid.first_sampled(), whole.first_sampled()), (2, 0));
+    assert_eq!(grid.nodes(), whole.nodes());
+    assert_eq!(
+        (grid.first_leaf(), grid.leaf_samples()),
+        (0, whole.leaf_samples())
+    );
+    assert_eq!(
+        all.len() - leaves.len(),
+        2 * whole.first_leaf() as usize / 4 * 4
+    );
 }
 
 #[test]
@@ -348,6 +403,8 @@ fn contents_that_contradict_each_other_are_refused() {
         (8, 1, BlobError::Sequence),
         (8, 6, BlobError::Sequence),
         (20, 2, BlobError::Section { kind: 4 }),
+        (72, 1, BlobError::Section { kind: 4 }),
+        (72, 3, BlobError::Section { kind: 1 }),
     ] {
         assert_eq!(damaged(1, at, value), Err(expected), "byte {at} = {value}");
     }

@@ -11,7 +11,9 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use crate::bake::{self, BakeOptions, Baked, GridChoice, LayoutChoice, Progress, Report};
+use crate::bake::{
+    self, BakeOptions, Baked, GridChoice, LayoutChoice, Progress, Report, SampleChoice,
+};
 use crate::encode::MAX_GRIDS;
 use crate::failure::{Failure, Outcome};
 use crate::replace::{check_replaceable, replace};
@@ -59,6 +61,9 @@ pub struct Bake {
     /// What is kept of each sample
     #[arg(long, value_enum, default_value_t = LayoutChoice::Material, help_heading = "Grid")]
     pub layout: LayoutChoice,
+    /// Which nodes have samples; without intermediate ones --cell-size has no effect
+    #[arg(long, value_enum, default_value_t = SampleChoice::All, help_heading = "Grid")]
+    pub samples: SampleChoice,
     /// What was made as one JSON object on standard output
     #[arg(long)]
     pub json: bool,
@@ -110,6 +115,7 @@ impl Bake {
                 Separation::TwentySix
             },
             layout: self.layout,
+            samples: self.samples,
             load: self.model_args.options(),
             models: self.model_args.models.clone(),
         };

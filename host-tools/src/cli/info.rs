@@ -61,8 +61,13 @@ fn print(contents: &Contents) {
             thousands(grid.bytes)
         );
         println!("{:>18}  {:>12}", "cells an axis", "nodes");
-        for (cells, nodes) in grid.cells.iter().zip(&grid.nodes_by_level) {
-            println!("{cells:>18}  {:>12}", thousands(*nodes));
+        for (level, (cells, nodes)) in grid.cells.iter().zip(&grid.nodes_by_level).enumerate() {
+            let bare = if level < grid.first_sampled {
+                "  without samples"
+            } else {
+                ""
+            };
+            println!("{cells:>18}  {:>12}{bare}", thousands(*nodes));
         }
     }
     println!("nodes        {}", thousands(contents.nodes));
