@@ -11,6 +11,9 @@ use crate::q::Unit;
 pub trait Shade {
     /// The colour of a sample with this attribute word of 16 bits.
     fn colour(&self, word: u32) -> u16;
+
+    /// The colour of a sample with the normal `index` (13 bits) and the first material.
+    fn of_normal(&self, index: u32) -> u16;
 }
 
 /// Colours of every normal under every material, RGB565.
@@ -75,6 +78,11 @@ impl Shade for Shading<'_> {
         let index = (word & self.material) << BITS | word >> self.under_normal;
         self.colours.get(index as usize).copied().unwrap_or(0)
     }
+
+    #[inline(always)]
+    fn of_normal(&self, index: u32) -> u16 {
+        self.colours.get(index as usize).copied().unwrap_or(0)
+    }
 }
 
 /// Tones there are: seven bits.
@@ -136,10 +144,14 @@ impl Shade for ToneTable {
     /// A tone.
     #[inline(always)]
     fn colour(&self, word: u32) -> u16 {
-        let index = (word >> self.under_normal) >> FINER;
-        let tone = self.tones.get(index as usize % SHADED).copied();
         let material = (word & self.material) * self.per_material;
-        u16::from(tone.unwrap_or(0)) + material as u16
+        self.of_normal(word >> self.under_normal) + material as u16
+    }
+
+    #[inline(always)]
+    fn of_normal(&self, index: u32) -> u16 {
+        let tone = self.tones.get((index >> FINER) as usize % SHADED);
+        tone.copied().unwrap_or(0).into()
     }
 }
 

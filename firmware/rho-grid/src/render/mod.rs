@@ -22,7 +22,7 @@ mod visibility;
 pub use tones::{Tones, tone_words};
 pub use traverse::draw;
 pub use view::{View, ViewError};
-pub use visibility::{EyeOrder, Rect, Shape, Visibility, ZBuffer};
+pub use visibility::{EyeOrder, Rect, Shape, Stamp, Visibility, ZBuffer};
 
 use crate::blob::Grid;
 use crate::frame::Frame;

@@ -13,7 +13,7 @@
 //! that its mask does not name: it then reads and writes back bytes of the rows beside it, or of the
 //! margins before and after the frame.
 
-use super::visibility::{Rect, Visibility};
+use super::visibility::{Rect, Stamp, Visibility};
 
 /// The lowest bit of each of four pixels.
 const COVERED: u32 = 0x0101_0101;
@@ -149,14 +149,20 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
     }
 
     #[inline(always)]
+    fn corner(&self, x: i32, y: i32) -> u32 {
+        Self::at(x, y) as u32
+    }
+
+    #[inline(always)]
     fn stamp<const ROWS: usize>(
         &mut self,
-        at: (i32, i32),
-        mask: u32,
-        _w: i32,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
         colour: impl Fn() -> u16,
     ) {
-        let from = Self::at(at.0, at.1);
+        let from = stamp
+            .corner
+            .wrapping_add(stamp.y * STRIDE as u32 + stamp.x) as usize;
         let Some(window) = self
             .pixels
             .get_mut(from..)
@@ -164,6 +170,14 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
         else {
             return;
         };
+        let middle = ROWS / 2 * (STRIDE + 1);
+        if stamp.away && window.get(middle).is_none_or(|pixel| pixel & 1 == 1) {
+            return;
+        }
+        let mask = mask();
+        if mask == 0 {
+            return;
+        }
         let tone = u32::from(colour());
         for row in 0..ROWS {
             let Some(pixels) = window
@@ -185,12 +199,22 @@ mod tests {
 
     type Small<'a> = Tones<'a, 12, 40>;
 
+    fn at(tones: &Small<'_>, x: i32, y: i32) -> Stamp {
+        Stamp {
+            corner: tones.corner(x, y),
+            x: 0,
+            y: 0,
+            away: false,
+            w: 0,
+        }
+    }
+
     #[test]
     fn the_first_tone_keeps_the_pixel_and_neighbours_keep_theirs() {
         let mut buffer = [0; tone_words(12, 6)];
         let mut tones = Small::cleared(&mut buffer, 10, 6).unwrap();
-        tones.stamp::<4>((2, 1), 0b0110_1111_1111_0110, 0, || 5);
-        tones.stamp::<2>((4, 1), 0b0011_0011, 0, || 9);
+        tones.stamp::<4>(at(&tones, 2, 1), || 0b0110_1111_1111_0110, || 5);
+        tones.stamp::<2>(at(&tones, 4, 1), || 0b0011_0011, || 9);
         let mut rows = tones.rows();
         assert_eq!(rows.next(), Some([0; 10].as_slice()));
         assert_eq!(rows.next(), Some([0, 0, 0, 5, 5, 9, 0, 0, 0, 0].as_slice()));
@@ -202,12 +226,11 @@ mod tests {
     fn a_window_may_stick_out_of_every_corner() {
         let mut buffer = [0; tone_words(12, 6)];
         let mut tones = Small::cleared(&mut buffer, 12, 6).unwrap();
-        for at in [(-2, -2), (10, -2), (-2, 4), (10, 4)] {
-            let inside = |bit: i32| {
-                (0..12).contains(&(at.0 + bit % 4)) && (0..6).contains(&(at.1 + bit / 4))
-            };
+        for (x, y) in [(-2, -2), (10, -2), (-2, 4), (10, 4)] {
+            let inside =
+                |bit: i32| (0..12).contains(&(x + bit % 4)) && (0..6).contains(&(y + bit / 4));
             let mask = (0..16).filter(|b| inside(*b)).fold(0, |m, b| m | 1 << b);
-            tones.stamp::<4>(at, mask, 0, || 7);
+            tones.stamp::<4>(at(&tones, x, y), || mask, || 7);
         }
         let covered: usize = tones.rows().flatten().map(|t| usize::from(t & 1)).sum();
         assert_eq!(covered, 16);

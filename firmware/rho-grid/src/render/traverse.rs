@@ -17,6 +17,8 @@
 //! no projection (a division by next to nothing), so that nothing overflows, nothing in view is
 //! lost and nothing small looks large.
 
+use core::marker::PhantomData;
+
 use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
 use super::order::{self, List, Order};
@@ -124,6 +126,50 @@ struct Walk<'g, 'v, V, S> {
     view: &'v View,
     shading: &'v S,
     target: &'v mut V,
+}
+
+/// The children of an open cell, all divided by 3, whose subcells are stamped.
+struct Block<'a, 'g, R> {
+    view: &'a View,
+    open: &'a Open,
+    /// The open cell's level.
+    nodes: &'a Level<'g>,
+    /// The parents' level.
+    below: &'a Level<'g>,
+    displacements: &'a [Homogeneous],
+    /// Of the parents' children's level.
+    words: &'g [u16],
+    /// The eye's slab among all subcells of all children.
+    eye: [i32; 3],
+    reciprocal: PhantomData<R>,
+}
+
+impl<R: Reciprocal> stamp::Parents for Block<'_, '_, R> {
+    #[inline(always)]
+    fn each(&self, mut stamp: impl FnMut(&stamp::Parent<'_>)) {
+        let (view, open) = (self.view, self.open);
+        let (mx, my) = (view.width << 7, view.height << 7);
+        for &subcell in open.list.iter().take(usize::from(open.count)) {
+            let Some(d) = self.displacements.get(usize::from(subcell)) else {
+                continue;
+            };
+            let centre = open.centre.plus(*d);
+            let over = OverW::new::<R>(centre.w, view.k);
+            let node = open.first_child + order::rank(&open.mask, subcell);
+            let [i, j, k] = order::place(self.nodes.rho, subcell);
+            let [ex, ey, ez] = self.eye;
+            let [mask, ..] = self.below.mask::<3>(node);
+            let first = self.below.first_child(node) as usize;
+            stamp(&stamp::Parent {
+                x: over.times(centre.x) + mx,
+                y: over.times(centre.y) + my,
+                w: centre.w,
+                mask,
+                words: self.words.get(first..).unwrap_or_default(),
+                descending: [ex - 3 * i > 1, ey - 3 * j > 1, ez - 3 * k > 1],
+            });
+        }
+    }
 }
 
 /// Draws `grid` as `view` (prepared for it) sees it.
@@ -430,39 +476,31 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         if !self.is_inside(bounds, Half { x: reach, y: reach }) {
             return false;
         }
-        let Some(steps) = view.steps::<R>(outer, inner, axis, own, w, rho) else {
+        // A parent's place is exact; within it, a sample stands off by the part of a step by which
+        // the parent's depth differs from the block's: an eighth of a pixel at most.
+        if w >> 3 < outer.half.w {
             return false;
-        };
+        }
+        let steps = view.steps_at::<R>(inner, axis, w);
         let layout = self.grid.layout();
         let Some(stamps) = Stamps::new(view, layout, &steps, axis, own.x.max(own.y), side) else {
             return false;
         };
-        let displacements = view.displacements(outer);
-        let first = self.first(level + 2);
-        let (mx, my) = self.middle();
-        let [ox, oy, oz] = open.place.map(|p| p * rho);
-        let (grid, shading) = (self.grid, self.shading);
-        for &subcell in open.list.iter().take(usize::from(open.count)) {
-            let Some(d) = displacements.get(usize::from(subcell)) else {
-                continue;
-            };
-            let centre = open.centre.plus(*d);
-            let (x, y) = self.on_screen::<R>(centre);
-            let node = open.first_child + order::rank(&open.mask, subcell);
-            let [i, j, k] = order::place(nodes.rho, subcell);
-            let eye = self.eye_slab(inner, [ox + i, oy + j, oz + k], 3);
-            let [mask, ..] = below.mask::<3>(node);
-            let start = first + below.first_child(node);
-            let parent = stamp::Parent {
-                x: x + mx,
-                y: y + my,
-                w: centre.w,
-                mask,
-                words: grid.attributes().get(start as usize..).unwrap_or_default(),
-                descending: eye.map(|e| e > 1),
-            };
-            stamps.stamp(self.target, &parent, |word| shading.colour(word));
-        }
+        let parents = Block {
+            view,
+            open,
+            nodes,
+            below,
+            displacements: view.displacements(outer),
+            words: self
+                .grid
+                .attributes()
+                .get(self.first(level + 2) as usize..)
+                .unwrap_or_default(),
+            eye: self.eye_slab(inner, open.place.map(|p| p * rho), 3),
+            reciprocal: PhantomData::<R>,
+        };
+        stamps.stamp(self.target, &parents, self.shading);
         true
     }
 

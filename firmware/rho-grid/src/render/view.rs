@@ -410,17 +410,9 @@ impl View {
         if w >> 3 < 3 * block.half.w || own.x.max(own.y) >= 1 << 20 {
             return None;
         }
-        let over = OverW::new::<R>(w, self.k);
-        let mut steps = [Step::default(); 3];
+        let steps = self.steps_at::<R>(cells, [x, y], w);
         let mut sum = Step::default();
-        for (step, e) in steps.iter_mut().zip(&cells.half_edges) {
-            // Differences of points of the cube, so they fit.
-            let of =
-                |e: i32, x: i32, w: i32| over.times_q16((i64::from(e) - self.per_w(x, w)) as i32);
-            *step = Step {
-                x: 2 * of(e.x, x, e.w),
-                y: 2 * of(e.y, y, e.w),
-            };
+        for step in &steps {
             sum.x += step.x.abs();
             sum.y += step.y.abs();
         }
@@ -438,6 +430,27 @@ impl View {
                 x: half(sum.x, own.x),
                 y: half(sum.y, own.y),
             },
+        })
+    }
+
+    /// The steps between cells whose half edges are those of `cells`, at the place (x, y) (Q8 from the
+    /// axis) and depth `w`, to first order, Q16.
+    #[inline(always)]
+    pub(super) fn steps_at<R: Reciprocal>(
+        &self,
+        cells: &LevelView,
+        [x, y]: [i32; 2],
+        w: i32,
+    ) -> [Step; 3] {
+        let over = OverW::new::<R>(w, self.k);
+        cells.half_edges.map(|e| {
+            // Differences of points of the cube, so they fit.
+            let of =
+                |e: i32, x: i32, w: i32| over.times_q16((i64::from(e) - self.per_w(x, w)) as i32);
+            Step {
+                x: 2 * of(e.x, x, e.w),
+                y: 2 * of(e.y, y, e.w),
+            }
         })
     }
 

@@ -15,7 +15,7 @@
 //! ```
 
 use super::entry;
-use crate::render::visibility::Visibility;
+use crate::render::visibility::{Stamp, Visibility};
 
 /// Directions across the strip, half a turn in equal parts.
 pub(super) const DIRECTIONS: usize = 16;
@@ -263,9 +263,8 @@ pub(super) trait Round: Copy {
     /// Stamps a mask of that many rows.
     fn stamp<V: Visibility>(
         target: &mut V,
-        at: (i32, i32),
-        mask: u32,
-        w: i32,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
         colour: impl Fn() -> u16,
     );
 }
@@ -286,12 +285,11 @@ impl Round for Two {
     #[inline(always)]
     fn stamp<V: Visibility>(
         target: &mut V,
-        at: (i32, i32),
-        mask: u32,
-        w: i32,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
         colour: impl Fn() -> u16,
     ) {
-        target.stamp::<2>(at, mask, w, colour);
+        target.stamp::<2>(stamp, mask, colour);
     }
 
     #[inline(always)]
@@ -315,12 +313,11 @@ impl Round for Three {
     #[inline(always)]
     fn stamp<V: Visibility>(
         target: &mut V,
-        at: (i32, i32),
-        mask: u32,
-        w: i32,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
         colour: impl Fn() -> u16,
     ) {
-        target.stamp::<3>(at, mask, w, colour);
+        target.stamp::<3>(stamp, mask, colour);
     }
 
     #[inline(always)]
@@ -335,12 +332,11 @@ impl Round for Four {
     #[inline(always)]
     fn stamp<V: Visibility>(
         target: &mut V,
-        at: (i32, i32),
-        mask: u32,
-        w: i32,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
         colour: impl Fn() -> u16,
     ) {
-        target.stamp::<4>(at, mask, w, colour);
+        target.stamp::<4>(stamp, mask, colour);
     }
 
     #[inline(always)]

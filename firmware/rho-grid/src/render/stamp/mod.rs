@@ -28,9 +28,10 @@ mod mask;
 
 pub(super) use classes::Classes;
 
-use super::view::{Step, Steps, View};
-use super::visibility::Visibility;
+use super::view::{Step, View};
+use super::visibility::{Stamp, Visibility};
 use crate::blob::Layout;
+use crate::shading::Shade;
 use classes::FINER;
 use lists::Order;
 use mask::{Circle, Four, Round, Three, Two};
@@ -50,20 +51,26 @@ const RADIUS: i32 = 230;
 
 /// What the samples of a block have in common.
 pub(super) struct Stamps<'v> {
-    classes: &'v Classes,
     /// Minus the tangents of the line of sight, 512 to the unit, y and x (the upper half).
     sight: u32,
-    circle: Circle,
-    /// The strip's half width for a cosine of 2^30, times 2^36 / 2^30 sixteenths of a pixel.
+    /// The strip's half width in sixteenths of a pixel for a cosine of 1, times 4.
     breadth: u32,
+    /// From a plane of cells to the next.
+    along_z: u32,
     /// By offset step: sixteenths of a pixel.
     offsets: [i8; 8],
-    /// From the first cell of a plane of 3 x 3 to each.
+    /// From the middle of a plane of 3 x 3 cells to each.
     cells: [u32; 16],
-    /// From a plane to the next.
-    along_z: u32,
+    classes: &'v Classes,
+    circle: Circle,
     /// The pixel from which places count.
     corner: (i32, i32),
+}
+
+/// The cells of a block: parents divided by 3, projected one by one.
+pub(super) trait Parents {
+    /// Calls `stamp` with each from front to back.
+    fn each(&self, stamp: impl FnMut(&Parent<'_>));
 }
 
 /// A cell whose subcells are stamped.
@@ -87,13 +94,13 @@ const REACH: i32 = 64;
 
 impl<'v> Stamps<'v> {
     /// For a block whose centre is projected to (x, y) (Q8 from the axis) with half extents `own`
-    /// (Q8), and whose cells have a side of `side` (Q16) there; `None` when its discs cannot be
-    /// stamped: too large, seen too far from the axis, or of another layout.
+    /// (Q8), and whose cells have a side of `side` and are `steps` apart (Q16); `None` when its
+    /// discs cannot be stamped: too large, seen too far from the axis, or of another layout.
     #[inline(always)]
     pub(super) fn new(
         view: &'v View,
         layout: Layout,
-        steps: &Steps,
+        steps: &[Step; 3],
         [x, y]: [i32; 2],
         own: i32,
         side: i32,
@@ -101,7 +108,8 @@ impl<'v> Stamps<'v> {
         if layout != Layout::OFFSET_THIN && layout != Layout::OFFSET {
             return None;
         }
-        if own > (REACH - 8) << 8 || side >= 1 << 19 {
+        // A side of 2.6 pixels has discs of 0.8 sides then: still no holes.
+        if own > (REACH - 8) << 8 || side > 170_000 {
             return None;
         }
         let (tx, ty) = (view.tangent(x), view.tangent(y));
@@ -113,34 +121,20 @@ impl<'v> Stamps<'v> {
         let t2 = square >> 10;
         let length = 256 - (t2 >> 1) + ((3 * t2 * t2) >> 11) - ((5 * t2 * t2 * t2) >> 20);
         let radius = (side * (RADIUS >> 1)) >> 15;
-        let circle = Circle::of(radius as u32)?;
+        let circle = Circle::of((radius as u32).min(mask::LARGEST))?;
         // 64ths of a pixel.
         let breadth = ((radius * length) >> 10) as u32;
 
         // Sixteenths of a pixel, rounded; below 4 pixels, so below 64.
-        let unit = (side >> 4) * i32::from(layout.offset_range);
-        let mut offset = (-7 * (unit >> 7)) >> 3;
-        let step = (unit >> 7) >> 2;
-        let offsets = core::array::from_fn(|_| {
-            let here = (offset + (1 << 7)) >> 8;
-            offset += step;
-            here as i8
-        });
+        let unit = ((side >> 4) * i32::from(layout.offset_range)) >> 7;
+        let first = (1 << 7) - ((7 * unit) >> 3);
+        let offsets = core::array::from_fn(|step| ((first + ((unit * step as i32) >> 2)) >> 8) as i8);
+
         let packed = |s: &Step| ((s.x >> 7) as u32).wrapping_add(((s.y >> 7) as u32) << 16);
-        let [sx, sy, sz] = &steps.steps;
+        let [sx, sy, sz] = steps;
         let (sx, sy, along_z) = (packed(sx), packed(sy), packed(sz));
-        let mut cells = [0; 16];
-        let mut row = 0u32.wrapping_sub(sx).wrapping_sub(sy);
-        for cells in cells.chunks_exact_mut(3) {
-            if let [a, b, c] = cells {
-                (*a, *b, *c) = (
-                    row,
-                    row.wrapping_add(sx),
-                    row.wrapping_add(sx).wrapping_add(sx),
-                );
-            }
-            row = row.wrapping_add(sy);
-        }
+        let row = |middle: u32| [middle.wrapping_sub(sx), middle, middle.wrapping_add(sx)];
+        let ([a, b, c], [d, e, f], [g, h, i]) = (row(0u32.wrapping_sub(sy)), row(0), row(sy));
         let (mx, my) = (view.width << 7, view.height << 7);
         let corner = |v: i32| (v >> 8) - REACH;
         Some(Self {
@@ -149,7 +143,7 @@ impl<'v> Stamps<'v> {
             circle,
             breadth,
             offsets,
-            cells,
+            cells: [a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0, 0, 0],
             along_z,
             corner: (corner(x + mx), corner(y + my)),
         })
@@ -161,107 +155,121 @@ impl<'v> Stamps<'v> {
         ((side * 5) >> 10) + 1
     }
 
-    /// Stamps all subcells of a parent divided by 3.
+    /// Stamps all subcells of a block's parents.
     #[inline(always)]
     pub(super) fn stamp<V: Visibility>(
         &self,
         target: &mut V,
-        parent: &Parent<'_>,
-        colour: impl Fn(u32) -> u16 + Copy,
+        parents: &impl Parents,
+        shading: &impl Shade,
     ) {
         match self.circle {
-            Circle::Two(c) => self.planes(target, parent, Two(c), colour),
-            Circle::Three(c) => self.planes(target, parent, Three(c), colour),
-            Circle::Four(c) => self.planes(target, parent, Four(c), colour),
+            Circle::Two(c) => self.block(target, parents, Two(c), shading),
+            Circle::Three(c) => self.block(target, parents, Three(c), shading),
+            Circle::Four(c) => self.block(target, parents, Four(c), shading),
         }
     }
 
     #[inline(never)]
-    fn planes<V: Visibility, C: Round>(
+    fn block<V: Visibility, C: Round>(
         &self,
         target: &mut V,
-        parent: &Parent<'_>,
+        parents: &impl Parents,
         circle: C,
-        colour: impl Fn(u32) -> u16 + Copy,
+        shading: &impl Shade,
     ) {
-        // From the parent's centre to the middle of the window's first pixel, plus half a pixel so
-        // that what is left over after whole pixels are taken is the window's part.
-        let bias = 256 * (C::ROWS as i32 - 1);
-        let place = |v: i32, corner: i32| ((v << 1) - (corner << 9) - bias) as u32;
         let (x, y) = self.corner;
-        let middle = place(parent.x, x).wrapping_add(place(parent.y, y) << 16);
-        let [dx, dy, dz] = parent.descending;
-        let order = Order::new([dx, dy]);
-        let low = parent.mask & 511;
-        let mid = parent.mask >> 9 & 511;
-        let high = parent.mask >> 18 & 511;
-        let words = parent.words;
-        let after_low = words.get(low.count_ones() as usize..).unwrap_or_default();
-        let after_mid = after_low
-            .get(mid.count_ones() as usize..)
-            .unwrap_or_default();
-        let below = middle.wrapping_sub(self.along_z);
-        let above = middle.wrapping_add(self.along_z);
-        let planes = [
-            (low, words, below),
-            (mid, after_low, middle),
-            (high, after_mid, above),
-        ];
-        let mut plane = |(bits, words, at): (u32, &[u16], u32)| {
-            let cells = order.cells(bits);
-            if order.backwards {
-                self.cells(target, parent.w, circle, words, at, cells.iter().rev(), colour);
+        let corner = target.corner(x, y);
+        // From a centre to the middle of its window's first pixel, plus half a pixel, so that
+        // what is left over after whole pixels are taken is the window's part.
+        let bias = 256 * (C::ROWS as i32 - 1);
+        let (x, y) = ((x << 9) + bias, (y << 9) + bias);
+        let mut tail = [0; 16];
+        parents.each(|parent| {
+            let [dx, dy, dz] = parent.descending;
+            let order = Order::new([dx, dy]);
+            let middle = ((2 * parent.x - x) as u32).wrapping_add(((2 * parent.y - y) as u32) << 16);
+            let (mut plane, mut at, step) = if dz {
+                (2, middle.wrapping_add(self.along_z), 0u32.wrapping_sub(self.along_z))
             } else {
-                self.cells(target, parent.w, circle, words, at, cells.iter(), colour);
+                (0u32, middle.wrapping_sub(self.along_z), self.along_z)
+            };
+            for _ in 0..3 {
+                let below = parent.mask & ((1 << (9 * plane)) - 1);
+                let bits = parent.mask >> (9 * plane) & 511;
+                if bits != 0 {
+                    let words = parent.words.get(below.count_ones() as usize..);
+                    let words = words.unwrap_or_default();
+                    let words: &[u16; 16] = match words.first_chunk() {
+                        Some(words) => words,
+                        None => {
+                            // The last words of the grid.
+                            for (tail, word) in tail.iter_mut().zip(words) {
+                                *tail = *word;
+                            }
+                            &tail
+                        }
+                    };
+                    let samples = Samples { words, at, w: parent.w, corner };
+                    let cells = order.cells(bits);
+                    if order.backwards {
+                        self.samples(target, &samples, cells.iter().rev(), circle, shading);
+                    } else {
+                        self.samples(target, &samples, cells.iter(), circle, shading);
+                    }
+                }
+                plane = if dz { plane.wrapping_sub(1) & 3 } else { plane + 1 };
+                at = at.wrapping_add(step);
             }
-        };
-        let [low, mid, high] = planes;
-        let (first, last) = if dz { (high, low) } else { (low, high) };
-        plane(first);
-        plane(mid);
-        plane(last);
+        });
     }
 
     #[inline(always)]
-    #[allow(clippy::too_many_arguments, reason = "the inner loop")]
-    fn cells<'l, V: Visibility, C: Round>(
+    fn samples<'l, V: Visibility, C: Round>(
         &self,
         target: &mut V,
-        w: i32,
-        circle: C,
-        words: &[u16],
-        at: u32,
+        samples: &Samples<'_>,
         cells: impl Iterator<Item = &'l u8>,
-        colour: impl Fn(u32) -> u16,
+        circle: C,
+        shading: &impl Shade,
     ) {
         for cell in cells {
             let cell = u32::from(*cell);
-            let Some(word) = words.get(cell as usize >> 4) else {
-                continue;
-            };
-            let word = u32::from(*word);
+            let word = u32::from(entry(samples.words, cell >> 4));
             let class = self.classes.of(word >> 3);
             let offset = i32::from(entry(&self.offsets, word));
-            let place = at
+            let place = samples
+                .at
                 .wrapping_add(entry(&self.cells, cell))
                 .wrapping_add(class.across.wrapping_mul(offset as u32));
-            let x = self.corner.0 + (place >> 9 & 127) as i32;
-            let y = self.corner.1 + (place >> 25) as i32;
             // The cosine, 2^30 to the unit.
             let towards = class
                 .towards
                 .wrapping_add(class.across.wrapping_mul(self.sight)) as i32;
-            let middle = C::ROWS as i32 / 2;
-            if towards < 0 && !target.is_open((x + middle) as u32, (y + middle) as u32) {
-                continue;
-            }
-            let cosine = u64::from(towards.unsigned_abs());
-            let half = ((cosine * u64::from(self.breadth)) >> 32) as u32;
-            let parts = place & 0x01FF_01FF;
-            let mask = mask::disc(circle, parts, class.towards, half);
-            C::stamp(target, (x, y), mask, w, || colour(word));
+            let mask = || {
+                let cosine = u64::from(towards.unsigned_abs());
+                let half = ((cosine * u64::from(self.breadth)) >> 32) as u32;
+                mask::disc(circle, place & 0x01FF_01FF, class.towards, half)
+            };
+            let stamp = Stamp {
+                corner: samples.corner,
+                x: place >> 9 & 127,
+                y: place >> 25,
+                away: towards < 0,
+                w: samples.w,
+            };
+            C::stamp(target, stamp, mask, || shading.of_normal(word >> 3));
         }
     }
+}
+
+/// The samples of a plane of 3 x 3 cells.
+struct Samples<'g> {
+    words: &'g [u16; 16],
+    /// The place of the middle cell.
+    at: u32,
+    w: i32,
+    corner: u32,
 }
 
 const _: () = assert!(FINER == 4);
