@@ -59,11 +59,30 @@ pub fn light(towards: DVec3) -> [Unit; 3] {
     towards.normalize().to_array().map(ToFixed::to_fixed)
 }
 
-/// Draws `blob`.
+/// Draws the first grid of `blob`.
 ///
 /// # Errors
-/// When the view is out of range, or the blob has several grids.
+/// When the view is out of range.
 pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outcome<Drawn> {
+    render_grid(blob, 0, view, towards, mode)
+}
+
+/// Draws grid `index` of `blob`.
+///
+/// # Errors
+/// When the view is out of range, or the blob has no such grid.
+pub fn render_grid(
+    blob: &Blob<'_>,
+    index: u16,
+    view: &View,
+    towards: DVec3,
+    mode: Mode,
+) -> Outcome<Drawn> {
+    let grid = blob.grid(index).ok_or_else(|| {
+        let count = blob.grid_count();
+        Failure::input(format!("there is no grid {index} in a blob of {count}"))
+            .help(format!("give --grid 0 to {}", count - 1))
+    })?;
     let camera = view.camera()?;
     let (width, height) = (camera.width, camera.height);
     let pixels = usize::from(width) * usize::from(height);
@@ -71,13 +90,6 @@ pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outco
     let mut tables = Box::new(render::View::empty());
     let mut colours = vec![0; Shading::words(blob.materials().len())];
     let internal = |what: &str| Failure::input(format!("{what} (an error in rho)"));
-    let grid = match (blob.grid_count(), blob.grid(0)) {
-        (1, Some(grid)) => grid,
-        _ => {
-            return Err(Failure::input("the blob has several grids")
-                .help("this version draws blobs of one grid; bake one model alone"));
-        }
-    };
     tables
         .prepare(&camera, &grid, mode.cell_size)
         .map_err(|e| Failure::input(e.to_string()))?;

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use rho_grid::blob::format::MAX_MATERIALS;
+use rho_grid::blob::format::{MAX_MATERIALS, kind};
 use rho_grid::blob::{Blob, BlobError, Grid};
 use rho_grid::frame::Frame;
 use rho_grid::mode::FrameMode;
@@ -58,8 +58,6 @@ impl Default for Memory {
 pub enum ModelError {
     /// The blob is refused.
     Blob(BlobError),
-    /// It has several grids; this version draws one.
-    SeveralGrids,
     /// The camera is none.
     View(ViewError),
     /// The frame is larger than the board's memory for it.
@@ -70,7 +68,6 @@ impl fmt::Display for ModelError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Blob(error) => error.fmt(f),
-            Self::SeveralGrids => f.write_str("the blob has several grids: this version draws one"),
             Self::View(error) => error.fmt(f),
             Self::TooLarge => f.write_str("the frame is larger than the memory for it"),
         }
@@ -93,10 +90,10 @@ impl<'a> Model<'a> {
     /// When there is none, or it is refused.
     pub fn check(flash: &'a [u8]) -> Result<Self, ModelError> {
         let blob = Blob::parse(flash).map_err(ModelError::Blob)?;
-        match (blob.grid_count(), blob.grid(0)) {
-            (1, Some(grid)) => Ok(Self { blob, grid }),
-            _ => Err(ModelError::SeveralGrids),
-        }
+        // A checked blob has a grid 0.
+        let missing = BlobError::MissingSection { kind: kind::GRID };
+        let grid = blob.grid(0).ok_or(ModelError::Blob(missing))?;
+        Ok(Self { blob, grid })
     }
 
     /// Draws the scene into the first `width * height` words.

@@ -55,7 +55,7 @@ impl ModeArgs {
     pub fn warning(&self, blob: &Blob<'_>) -> Option<&'static str> {
         let centred = |grid: Grid<'_>| grid.layout().offset == 0;
         let discs = self.mode().footprint == FootprintMode::Disc;
-        (discs && blob.grid(0).is_some_and(centred)).then_some(
+        (discs && blob.grids().any(centred)).then_some(
             "this blob's samples have no offsets, and discs at the cells' centres leave holes: \
              bake it with --thin --layout offset, or use --footprint box",
         )

@@ -34,6 +34,9 @@ pub struct Render {
     /// Also write the depth of each pixel, a 16-bit PNG
     #[arg(long, value_name = "D.png")]
     pub depth: Option<PathBuf>,
+    /// Which grid of a blob that has several, counted from 0 as `rho info` does
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub grid: u16,
     /// What was drawn as one JSON object on standard output
     #[arg(long)]
     pub json: bool,
@@ -70,7 +73,8 @@ impl Render {
         if let Some(warning) = self.mode_args.warning(&blob).filter(|_| !self.quiet) {
             eprintln!("warning: {warning}");
         }
-        let drawn = render::render(&blob, &self.view_args.view(), self.view_args.light(), mode)?;
+        let (view, light) = (self.view_args.view(), self.view_args.light());
+        let drawn = render::render_grid(&blob, self.grid, &view, light, mode)?;
         let (width, height) = (u32::from(drawn.width), u32::from(drawn.height));
         if let Some(path) = &self.depth {
             let values = drawn.depth.iter().copied().map(f64::from).collect();

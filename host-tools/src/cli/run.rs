@@ -88,8 +88,7 @@ impl RunArgs {
                 if let Some(warning) = self.mode.warning(&blob) {
                     eprintln!("warning: {warning}");
                 }
-                let grids = (0..blob.grid_count()).filter_map(|g| blob.grid(g));
-                let samples: u64 = grids.map(|g| u64::from(g.leaf_samples())).sum();
+                let samples: u64 = blob.grids().map(|g| u64::from(g.leaf_samples())).sum();
                 baked = format!(", {samples} samples in {} B of flash", file.bytes().len());
                 Some(file)
             }

@@ -274,7 +274,12 @@ impl View {
             let entry = LevelView {
                 half_edges,
                 half,
-                stop_w: self.stop_w(half.x.max(half.y), cell_size),
+                stop_w: if level < grid.first_sampled() {
+                    // Without samples of their own its cells are opened, however small.
+                    i32::MAX
+                } else {
+                    self.stop_w(half.x.max(half.y), cell_size)
+                },
                 eye: eye.map(|e| ((e * cells) >> 30).clamp(-1, cells) as i32),
                 side: shift((focal << 30) / cells, drop + 10),
                 children: (first, rho.pow(3) as usize),
