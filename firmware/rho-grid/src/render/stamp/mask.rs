@@ -96,7 +96,7 @@ static WINDOWS: [[Direction; DIRECTIONS]; 3] = {
             let (ax, ay) = AXES[d];
             // The centre lies rows / 2 pixels beyond the first pixel's centre, and the part of a
             // pixel that is added when drawing.
-            let base = d as i32 * PLACES as i32 + ORIGIN + 1 + (ax + ay) * rows as i32 / 2;
+            let base = d as i32 * PLACES as i32 + ORIGIN + (ax + ay) * rows as i32 / 2;
             windows[rows][d] = Direction {
                 across: (ay as u32).wrapping_add((ax as u32) << 16),
                 base: base as u32,
@@ -357,12 +357,13 @@ pub(super) fn disc<C: Round>(circle: C, parts: u32, direction: u32, half: u32) -
     };
     let direction = entry(directions, direction);
     // x ax + y ay in the upper half: the lower one, x ay, is not negative and does not reach it.
-    let along = (parts.wrapping_mul(direction.across) as i32) >> 26;
+    // Rounded to sixteenths.
+    let along = parts.wrapping_mul(direction.across).wrapping_add(1 << 25) as i32 >> 26;
     let place = direction.base.wrapping_add(along as u32);
     let beyond = |place: u32| u32::from(entry(&HALF_PLANES, place));
     circle.mask(parts)
         & beyond(place.wrapping_add(half))
-        & !beyond(place.wrapping_sub(half).wrapping_sub(2))
+        & !beyond(place.wrapping_sub(half).wrapping_sub(1))
 }
 
 /// The index of the direction nearest to (x, y) or its opposite; (0, 0) gives one too.
