@@ -58,9 +58,43 @@ impl Default for BakeOptions {
     }
 }
 
+/// The grids of [`BakeOptions::standard`]: 54, 81, 108 and 162 cells an axis, for the presets.
+const STANDARD: [&[u8]; 4] = [&[2, 3, 3, 3], &[3, 3, 3, 3], &[2, 3, 2, 3, 3], &[2, 3, 3, 3, 3]];
+
+impl BakeOptions {
+    /// What serves the presets best: thin grids of discs for every distance, as many as fit into
+    /// `flash` bytes. Words have no room for an offset and a material: a model in several colours
+    /// is baked with materials, by powers of 3.
+    fn standard(model: &Model, flash: Option<u64>, given: Self) -> Self {
+        if model.is_coloured() {
+            return Self {
+                grid: match flash {
+                    Some(flash) => GridChoice::Finest(None, flash),
+                    None => Self::default().grid,
+                },
+                ..given
+            };
+        }
+        let sequences = STANDARD.map(|s| Sequence::new(s).unwrap_or_else(|_| unreachable!()));
+        let sequences = sequences.to_vec();
+        Self {
+            grid: match flash {
+                Some(flash) => GridChoice::Fits(sequences, flash),
+                None => GridChoice::Fixed(sequences),
+            },
+            separation: Separation::Six,
+            layout: LayoutChoice::Offset,
+            samples: SampleChoice::Leaves,
+            ..given
+        }
+    }
+}
+
 /// How the cube is cut.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum GridChoice {
+    /// As the presets want it, within so many bytes; leaves, layout and samples follow.
+    Standard(Option<u64>),
     /// By each of these sequences, one grid each.
     Fixed(Vec<Sequence>),
     /// By those of these sequences that fit into so many bytes together: while they do not,
@@ -174,6 +208,14 @@ pub struct Seconds {
 pub fn bake(model: &str, options: &BakeOptions, progress: &Progress) -> Outcome<Baked> {
     let started = Instant::now();
     let model = source::open(model, options.models.as_deref(), &options.load)?;
+    let standard;
+    let options = match options.grid {
+        GridChoice::Standard(flash) => {
+            standard = BakeOptions::standard(&model, flash, options.clone());
+            &standard
+        }
+        _ => options,
+    };
     let mut seconds = Seconds {
         read: started.elapsed().as_secs_f64(),
         ..Seconds::default()
@@ -282,6 +324,7 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
     fn bake(&self, seconds: &mut Seconds) -> Outcome<Made> {
         let name = &self.model.name;
         let (candidates, limit) = match &self.options.grid {
+            GridChoice::Standard(_) => unreachable!("replaced when the model was read"),
             GridChoice::Fixed(sequences) => return self.all(sequences, seconds),
             GridChoice::Fits(sequences, limit) => return self.fitting(sequences, *limit, seconds),
             GridChoice::Finest(rho, limit) => (rho.map_or_else(flash::mixed, flash::powers), limit),

@@ -59,29 +59,18 @@ pub fn light(towards: DVec3) -> [Unit; 3] {
     towards.normalize().to_array().map(ToFixed::to_fixed)
 }
 
-/// Draws the first grid of `blob`.
-///
-/// # Errors
-/// When the view is out of range.
-pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outcome<Drawn> {
-    render_grid(blob, 0, view, towards, mode)
-}
-
-/// Draws grid `index` of `blob`.
+/// Draws `blob`.
 ///
 /// # Errors
 /// When the view is out of range, or the blob has no such grid.
-pub fn render_grid(
-    blob: &Blob<'_>,
-    index: u16,
-    view: &View,
-    towards: DVec3,
-    mode: Mode,
-) -> Outcome<Drawn> {
-    let grid = blob.grid(index).ok_or_else(|| {
+pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outcome<Drawn> {
+    let grid = blob.grid(mode.grid).ok_or_else(|| {
         let count = blob.grid_count();
-        Failure::input(format!("there is no grid {index} in a blob of {count}"))
-            .help(format!("give --grid 0 to {}", count - 1))
+        Failure::input(format!(
+            "there is no grid {} in a blob of {count}",
+            mode.grid
+        ))
+        .help(format!("give --grid 0 to {}", count - 1))
     })?;
     let camera = view.camera()?;
     let (width, height) = (camera.width, camera.height);

@@ -9,7 +9,7 @@ use host_tools::encode::{Encoding, encode_all};
 use host_tools::geometry::triangles::Triangles;
 use host_tools::mesh::Mesh;
 use host_tools::palette::Palette;
-use host_tools::render::render_grid;
+use host_tools::render::render;
 use host_tools::sampling::{Sampling, Separation, Tree};
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use proptest::prelude::*;
@@ -294,7 +294,7 @@ fn without_intermediate_samples_cells_are_opened_however_small() {
             ..Mode::default()
         };
         let view = StandardView::FarTurned.into();
-        let drawn = render_grid(&file.blob().unwrap(), 0, &view, STANDARD_LIGHT, mode);
+        let drawn = render(&file.blob().unwrap(), &view, STANDARD_LIGHT, mode);
         drawn.unwrap().words
     };
     let leaves = leaves_alone();
@@ -464,7 +464,11 @@ proptest! {
         if let Ok(blob) = file.blob() {
             let view = View { width: 24, height: 32, ..StandardView::NearTurned.into() };
             for grid in 0..blob.grid_count() {
-                let drawn = render_grid(&blob, grid, &view, STANDARD_LIGHT, Mode::default());
+                let mode = Mode {
+                    grid,
+                    ..Mode::default()
+                };
+                let drawn = render(&blob, &view, STANDARD_LIGHT, mode);
                 prop_assert!(drawn.is_ok());
             }
         }

@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use rho_grid::blob::format::{MAX_MATERIALS, kind};
-use rho_grid::blob::{Blob, BlobError, Grid};
+use rho_grid::blob::format::MAX_MATERIALS;
+use rho_grid::blob::{Blob, BlobError};
 use rho_grid::frame::Frame;
 use rho_grid::mode::FrameMode;
 use rho_grid::render::{
@@ -58,6 +58,8 @@ impl Default for Memory {
 pub enum ModelError {
     /// The blob is refused.
     Blob(BlobError),
+    /// It has no grid of this number.
+    Grid(u16),
     /// The camera is none.
     View(ViewError),
     /// The frame is larger than the board's memory for it.
@@ -68,6 +70,7 @@ impl fmt::Display for ModelError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Blob(error) => error.fmt(f),
+            Self::Grid(index) => write!(f, "the blob has no grid {index}"),
             Self::View(error) => error.fmt(f),
             Self::TooLarge => f.write_str("the frame is larger than the memory for it"),
         }
@@ -80,7 +83,6 @@ impl core::error::Error for ModelError {}
 #[derive(Clone, Copy, Debug)]
 pub struct Model<'a> {
     blob: Blob<'a>,
-    grid: Grid<'a>,
 }
 
 impl<'a> Model<'a> {
@@ -90,16 +92,13 @@ impl<'a> Model<'a> {
     /// When there is none, or it is refused.
     pub fn check(flash: &'a [u8]) -> Result<Self, ModelError> {
         let blob = Blob::parse(flash).map_err(ModelError::Blob)?;
-        // A checked blob has a grid 0.
-        let missing = BlobError::MissingSection { kind: kind::GRID };
-        let grid = blob.grid(0).ok_or(ModelError::Blob(missing))?;
-        Ok(Self { blob, grid })
+        Ok(Self { blob })
     }
 
     /// Draws the scene into the first `width * height` words.
     ///
     /// # Errors
-    /// When the camera is none or its frame too large.
+    /// When there is no such grid, the camera is none or its frame too large.
     pub fn draw<C: Counter>(
         &self,
         scene: &Scene,
@@ -120,7 +119,8 @@ impl<'a> Model<'a> {
             light,
             mode,
         } = scene;
-        let (blob, grid) = (&self.blob, &self.grid);
+        let blob = &self.blob;
+        let grid = &blob.grid(mode.grid).ok_or(ModelError::Grid(mode.grid))?;
         watch
             .time(Phase::Setup, || view.prepare(camera, grid, mode.cell_size))
             .map_err(ModelError::View)?;

@@ -117,10 +117,11 @@ enum Key {
     Footprint,
     Reciprocal,
     Frame,
+    Grid,
     CellSize,
 }
 
-const KEYS: [&str; 11] = [
+const KEYS: [&str; 12] = [
     "picture",
     "rotation",
     "translation",
@@ -131,6 +132,7 @@ const KEYS: [&str; 11] = [
     "footprint",
     "reciprocal",
     "frame",
+    "grid",
     "cell_size",
 ];
 
@@ -317,6 +319,10 @@ impl Scene {
                 footprint: parts.choice(Key::Footprint)?,
                 reciprocal: parts.choice(Key::Reciprocal)?,
                 frame: parts.choice(Key::Frame)?,
+                grid: {
+                    let [index] = parts.numbers(Key::Grid, 0, u16::MAX.into())?;
+                    narrow!(index, u16, "grid")?
+                },
                 cell_size: {
                     let [bits] = parts.numbers(Key::CellSize, 0, u16::MAX.into())?;
                     PixelSize::from_bits(narrow!(bits, u16, "cell_size")?)
@@ -355,7 +361,7 @@ impl fmt::Display for Request {
         write!(
             f,
             " rotation={} translation={} focal={} size={};{} light={} visibility={} footprint={} \
-             reciprocal={} frame={} cell_size={}",
+             reciprocal={} frame={} grid={} cell_size={}",
             List(
                 camera
                     .rotation
@@ -371,6 +377,7 @@ impl fmt::Display for Request {
             mode.footprint,
             mode.reciprocal,
             mode.frame,
+            mode.grid,
             mode.cell_size.to_bits(),
         )
     }
@@ -397,10 +404,11 @@ mod tests {
                 proptest::sample::select(ReciprocalMode::ALL),
                 proptest::sample::select(FrameMode::ALL),
                 any::<u16>(),
+                any::<u16>(),
             ),
         )
             .prop_map(
-                |(r, t, focal, (width, height), light, (v, f, d, frame, cell))| Scene {
+                |(r, t, focal, (width, height), light, (v, f, d, frame, grid, cell))| Scene {
                     camera: Camera {
                         rotation: [[r[0], r[1], r[2]], [r[3], r[4], r[5]], [r[6], r[7], r[8]]]
                             .map(|row| row.map(Rotation::from_bits)),
@@ -415,6 +423,7 @@ mod tests {
                         footprint: f,
                         reciprocal: d,
                         frame,
+                        grid,
                         cell_size: PixelSize::from_bits(cell),
                     },
                 },

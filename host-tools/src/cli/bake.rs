@@ -29,8 +29,11 @@ Examples:
   rho bake scan.obj -o scan.rho --flash 512K --up z
   gunzip -c bunny.ply.gz | rho bake - -o - --subdivisions 4 > bunny.rho
 
+Without any flag of the grid, the blob holds what the presets draw best: four grids of 54 to 162
+cells an axis, thin, with offsets, without intermediate samples; or, for a model in several
+colours, one of 243 cells with materials. --flash alone takes as many of them as fit.
 --rho N alone is the subdivision of every level, and --subdivisions says how many there are.
-With --flash and no --subdivisions the finest grid is chosen that fits: a power of --rho, else
+With --flash, --thin or --layout, and no --subdivisions, the finest grid is chosen that fits: a power of --rho, else
 a 2, 4, 5, 2,4 or 2,5 above 3s. Of several grids the finest is left out, with a warning, until
 the others fit. They share the materials, and are numbered as they are given. The same model and flags give the same bytes on any machine.";
 
@@ -45,7 +48,7 @@ pub struct Bake {
     /// The blob to write; - for standard output
     #[arg(short, long, value_name = "OUT.rho")]
     pub output: PathBuf,
-    /// Subdivision of all levels, or of each from the root down [default: 3]; given several
+    /// Subdivision of all levels, or of each from the root down [default: 3, when another flag is given]; given several
     /// times, the blob holds a grid for each
     #[arg(long, value_name = "N|N,N,...", help_heading = "Grid")]
     pub rho: Vec<Rho>,
@@ -58,12 +61,12 @@ pub struct Bake {
     /// The finest grid, or as many of those given, as fit into so many bytes; K and M are 1024
     #[arg(long, value_name = "SIZE", value_parser = source::bytes, help_heading = "Grid")]
     pub flash: Option<u64>,
-    /// What is kept of each sample
-    #[arg(long, value_enum, default_value_t = LayoutChoice::Material, help_heading = "Grid")]
-    pub layout: LayoutChoice,
-    /// Which nodes have samples; without intermediate ones --cell-size has no effect
-    #[arg(long, value_enum, default_value_t = SampleChoice::All, help_heading = "Grid")]
-    pub samples: SampleChoice,
+    /// What is kept of each sample [default: material]
+    #[arg(long, value_enum, help_heading = "Grid")]
+    pub layout: Option<LayoutChoice>,
+    /// Which nodes have samples [default: all]; without intermediate ones --cell-size has no effect
+    #[arg(long, value_enum, help_heading = "Grid")]
+    pub samples: Option<SampleChoice>,
     /// What was made as one JSON object on standard output
     #[arg(long)]
     pub json: bool,
@@ -114,8 +117,8 @@ impl Bake {
             } else {
                 Separation::TwentySix
             },
-            layout: self.layout,
-            samples: self.samples,
+            layout: self.layout.unwrap_or_default(),
+            samples: self.samples.unwrap_or_default(),
             load: self.model_args.options(),
             models: self.model_args.models.clone(),
         };
@@ -169,6 +172,10 @@ impl Bake {
     }
 
     fn grid(&self) -> Outcome<GridChoice> {
+        let said = self.thin || self.layout.is_some() || self.samples.is_some();
+        if !said && self.rho.is_empty() && self.subdivisions.is_none() {
+            return Ok(GridChoice::Standard(self.flash));
+        }
         if let (None, Some(flash), [] | [Rho::Every(_)]) =
             (self.subdivisions, self.flash, &self.rho[..])
         {

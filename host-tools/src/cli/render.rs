@@ -34,9 +34,6 @@ pub struct Render {
     /// Also write the depth of each pixel, a 16-bit PNG
     #[arg(long, value_name = "D.png")]
     pub depth: Option<PathBuf>,
-    /// Which grid of a blob that has several, counted from 0 as `rho info` does
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub grid: u16,
     /// What was drawn as one JSON object on standard output
     #[arg(long)]
     pub json: bool,
@@ -68,13 +65,13 @@ impl Render {
             );
         }
         let file = BlobFile::read(&self.blob)?;
-        let mode = self.mode_args.mode();
         let blob = file.blob()?;
-        if let Some(warning) = self.mode_args.warning(&blob).filter(|_| !self.quiet) {
+        let view = self.view_args.view();
+        let mode = self.mode_args.mode(&blob, &view.camera()?);
+        if let Some(warning) = ModeArgs::warning(mode, &blob).filter(|_| !self.quiet) {
             eprintln!("warning: {warning}");
         }
-        let (view, light) = (self.view_args.view(), self.view_args.light());
-        let drawn = render::render_grid(&blob, self.grid, &view, light, mode)?;
+        let drawn = render::render(&blob, &view, self.view_args.light(), mode)?;
         let (width, height) = (u32::from(drawn.width), u32::from(drawn.height));
         if let Some(path) = &self.depth {
             let values = drawn.depth.iter().copied().map(f64::from).collect();
