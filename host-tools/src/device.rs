@@ -27,6 +27,8 @@ pub struct Run {
     pub wire_bytes: u64,
     /// The log, a line each.
     pub log: Vec<String>,
+    /// What the emulator's plugin counted; empty without one.
+    pub counts: String,
 }
 
 impl Run {
@@ -82,13 +84,22 @@ pub fn ask(
     line: &str,
     timeout: Duration,
 ) -> Outcome<Run> {
-    let record = qemu::run(&Job {
+    answer(&Job {
         firmware,
         model,
         request: line,
         timeout,
-    })?;
-    let log = decode(firmware.elf(), &record.log);
+        plugin: None,
+    })
+}
+
+/// The same for any job.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn answer(job: &Job<'_>) -> Outcome<Run> {
+    let record = qemu::run(job)?;
+    let log = decode(job.firmware.elf(), &record.log);
     let broken = |what: String| {
         let mut message = what;
         for line in log
@@ -150,6 +161,7 @@ pub fn ask(
         wire_commands: panel.commands(),
         wire_bytes: panel.data_bytes(),
         log,
+        counts: record.counts,
     })
 }
 

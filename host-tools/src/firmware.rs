@@ -1,22 +1,22 @@
 //! The program that runs on the emulated board: built, checked and measured.
 
-use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 use object::elf;
 use object::read::elf::{ElfFile32, ProgramHeader, SectionHeader};
 use object::{Endianness, Object, ObjectSection};
 
+use crate::cargo::Package;
 use crate::failure::{Failure, Outcome};
 
-/// The package of the emulated board.
-pub const PACKAGE: &str = "rho-mps2-an385";
-/// What it is built for.
-pub const TARGET: &str = "thumbv7m-none-eabi";
-/// The cargo profile of all that runs on a microcontroller.
-pub const PROFILE: &str = "firmware";
+/// The program of the emulated board.
+pub const PACKAGE: Package<'_> = Package {
+    name: "rho-mps2-an385",
+    // That of all that runs on a microcontroller.
+    profile: "firmware",
+    target: Some("thumbv7m-none-eabi"),
+};
 
 /// The board's memory for the program.
 const FLASH: std::ops::Range<u64> = 0..4 << 20;
@@ -37,30 +37,23 @@ impl Firmware {
     /// `target_dir`, cargo writes there and not where it would by itself.
     ///
     /// # Errors
-    /// When cargo or the target is missing, the folder is in no such workspace, or the build
-    /// fails; cargo's own words are on standard error then.
+    /// Those of [`Package::build`] and [`Firmware::open`].
     pub fn build(folder: &Path, target_dir: Option<&Path>) -> Outcome<Self> {
-        let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let mut command = Command::new(cargo);
-        command
-            .args(["build", "--quiet", "--profile", PROFILE])
-            .args(["--package", PACKAGE, "--target", TARGET])
-            .arg("--message-format=json-render-diagnostics")
-            .current_dir(folder)
-            .stdin(Stdio::null());
-        if let Some(target_dir) = target_dir {
-            command.arg("--target-dir").arg(target_dir);
-        }
-        let output = command.output().map_err(|error| {
-            Failure::missing(format!("cargo does not start: {error}"))
-                .help("install Rust with https://rustup.rs, or pass --firmware ELF")
+        let path = PACKAGE.build(folder, target_dir).map_err(|failure| {
+            let help = failure.help.as_deref().unwrap_or_default();
+            let help = format!("{help}, or pass --firmware ELF");
+            failure.help(help)
         })?;
-        if !output.status.success() {
-            return Err(build_failure(&String::from_utf8_lossy(&output.stderr)));
-        }
-        let path = executable(&String::from_utf8_lossy(&output.stdout))
-            .ok_or_else(|| Failure::missing(format!("cargo built {PACKAGE} but named no image")))?;
         Self::open(&path)
+    }
+
+    /// Opens the image at the path; without one, builds it from the workspace in the current
+    /// folder.
+    ///
+    /// # Errors
+    /// Those of [`Firmware::open`] and [`Firmware::build`].
+    pub fn named_or_built(path: Option<&Path>) -> Outcome<Self> {
+        path.map_or_else(|| Self::build(Path::new("."), None), Self::open)
     }
 
     /// Reads and checks an image.
@@ -71,9 +64,8 @@ impl Firmware {
         let elf = fs::read(path)
             .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
         let (ram_bytes, flash_bytes) = check(&elf).map_err(|reason| {
-            Failure::input(format!("{}: {reason}", path.display())).help(format!(
-                "build it with: cargo build --profile {PROFILE} -p {PACKAGE} --target {TARGET}"
-            ))
+            Failure::input(format!("{}: {reason}", path.display()))
+                .help(format!("build it with: {}", PACKAGE.command()))
         })?;
         // Absolute, because the emulator runs in a folder of its own.
         let path = fs::canonicalize(path)
@@ -109,33 +101,6 @@ impl Firmware {
     pub fn flash_bytes(&self) -> u64 {
         self.flash_bytes
     }
-}
-
-/// The path of the image in cargo's messages.
-fn executable(messages: &str) -> Option<PathBuf> {
-    messages
-        .lines()
-        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
-        .filter(|message| message["target"]["name"] == PACKAGE)
-        .find_map(|message| message["executable"].as_str().map(PathBuf::from))
-}
-
-/// What to tell when cargo fails, from what it wrote.
-fn build_failure(stderr: &str) -> Failure {
-    let or_elf = "or pass --firmware ELF";
-    if stderr.contains("could not find `Cargo.toml`") || stderr.contains("did not match any") {
-        return Failure::input("the firmware cannot be built: this folder is not in its workspace")
-            .help(format!("run this in the project's folder, {or_elf}"));
-    }
-    if stderr.contains("can't find crate for `core`") || stderr.contains("may not be installed") {
-        return Failure::missing(format!("the Rust target {TARGET} is not installed"))
-            .help(format!("rustup target add {TARGET}"));
-    }
-    Failure::missing(format!(
-        "the firmware does not build:\n{}",
-        stderr.trim_end()
-    ))
-    .help(format!("mend what cargo complains about, {or_elf}"))
 }
 
 /// RAM of statics and bytes of flash, if the image would run on the board.
@@ -200,38 +165,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_image_is_found_in_cargos_messages() {
-        let messages = concat!(
-            r#"{"reason":"compiler-artifact","target":{"name":"rho-grid"},"executable":null}"#,
-            "\n",
-            r#"{"reason":"compiler-artifact","target":{"name":"rho-mps2-an385"},"executable":"/a/b"}"#,
-            "\nnoise\n",
-            r#"{"reason":"build-finished","success":true}"#
-        );
-        assert_eq!(executable(messages), Some(PathBuf::from("/a/b")));
-    }
-
-    #[test]
-    fn a_missing_target_tells_the_command_that_mends_it() {
-        let failure = build_failure("error[E0463]: can't find crate for `core`");
-        assert_eq!(failure.exit, crate::failure::Exit::Missing);
-        assert_eq!(
-            failure.help.as_deref(),
-            Some("rustup target add thumbv7m-none-eabi")
-        );
-    }
-
-    #[test]
-    fn a_folder_outside_the_workspace_is_told() {
-        let failure = build_failure("error: could not find `Cargo.toml` in `/` or any parent");
-        assert_eq!(failure.exit, crate::failure::Exit::Input);
-    }
-
-    #[test]
     fn what_is_no_image_is_refused() {
         assert!(check(b"").is_err());
         assert!(check(b"\x7fELF").is_err());
-        let own = fs::read(env::current_exe().unwrap()).unwrap();
+        let own = fs::read(std::env::current_exe().unwrap()).unwrap();
         assert!(check(&own).is_err(), "a program for the host");
     }
 }

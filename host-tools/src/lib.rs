@@ -3,6 +3,7 @@
 
 pub mod bake;
 pub mod blob_file;
+pub mod cargo;
 pub mod cli;
 pub mod compare;
 pub mod contents;
@@ -19,6 +20,7 @@ pub mod palette;
 pub mod panel;
 pub mod peak;
 pub mod picture;
+pub mod profile;
 pub mod qemu;
 pub mod quantise;
 pub mod reference;

@@ -16,6 +16,8 @@ const PROGRAM: &str = "qemu-system-arm";
 pub const MODEL_ADDRESS: u32 = 0x2100_0000;
 /// The size of that memory.
 pub const MODEL_BYTES: u64 = 16 << 20;
+/// The board's counter, whose readings bound what is counted.
+const COUNTER_ADDRESS: u32 = 0x4002_8018;
 /// How often the emulator is asked whether it has ended.
 const POLL: Duration = Duration::from_millis(5);
 /// A record of the wires longer than this is that of a program that writes for ever; a frame
@@ -33,6 +35,8 @@ pub struct Job<'a> {
     pub request: &'a str,
     /// How long it may take.
     pub timeout: Duration,
+    /// The library that counts how often each instruction runs, if that is wanted.
+    pub plugin: Option<&'a Path>,
 }
 
 /// What came out.
@@ -49,6 +53,8 @@ pub struct Record {
     pub report: String,
     /// Each write to a device, a line each.
     pub wires: String,
+    /// What the plugin counted; empty without one.
+    pub counts: String,
 }
 
 /// Runs the program until it ends.
@@ -88,6 +94,12 @@ pub fn run(job: &Job<'_>) -> Outcome<Record> {
             "loader,file=model,addr={MODEL_ADDRESS:#x},force-raw=on"
         ));
     }
+    if let Some(plugin) = job.plugin {
+        let library = plugin.display().to_string().replace(',', ",,");
+        command.arg("-plugin").arg(format!(
+            "file={library},counter={COUNTER_ADDRESS:08x},out=counts"
+        ));
+    }
     let create = |name: &str| File::create(at(name)).map_err(|e| scratch(&e));
     command
         .stdin(Stdio::null())
@@ -111,6 +123,7 @@ pub fn run(job: &Job<'_>) -> Outcome<Record> {
             .collect(),
         report: text("report"),
         wires: text("wires"),
+        counts: text("counts"),
     })
 }
 

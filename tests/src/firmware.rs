@@ -8,6 +8,7 @@ use std::time::Duration;
 use host_tools::device::{self, Run};
 use host_tools::failure::Outcome;
 use host_tools::firmware::Firmware;
+use host_tools::profile;
 
 /// More than any test's frame takes, also on a busy machine.
 pub const TIMEOUT: Duration = Duration::from_secs(60);
@@ -30,6 +31,18 @@ fn target_dir() -> PathBuf {
     target
         .unwrap_or_else(|| workspace().join("target"))
         .join("firmware-under-test")
+}
+
+/// The emulator's plugin.
+///
+/// # Panics
+/// When it does not build.
+pub fn plugin() -> &'static Path {
+    static PLUGIN: OnceLock<PathBuf> = OnceLock::new();
+    PLUGIN.get_or_init(|| {
+        profile::plugin(workspace(), Some(&target_dir()))
+            .unwrap_or_else(|failure| panic!("the emulator's plugin: {failure}"))
+    })
 }
 
 /// The firmware.

@@ -8,6 +8,7 @@ pub mod bake;
 pub mod compare;
 pub mod info;
 pub mod mode;
+pub mod profile;
 pub mod reference;
 pub mod render;
 pub mod run;
@@ -31,6 +32,7 @@ enum Command {
     Info(info::Info),
     Render(Box<render::Render>),
     Run(Box<run::RunArgs>),
+    Profile(Box<profile::ProfileArgs>),
     Reference(reference::Reference),
     Compare(compare::Compare),
 }
@@ -46,6 +48,7 @@ impl Rho {
             Command::Info(command) => command.run(),
             Command::Render(command) => command.run(),
             Command::Run(command) => command.run(),
+            Command::Profile(command) => command.run(),
             Command::Reference(command) => command.run(),
             Command::Compare(command) => command.run(),
         }

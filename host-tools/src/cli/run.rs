@@ -1,6 +1,6 @@
 //! `rho run`: the frame, drawn by the firmware in QEMU and decoded from the panel's wire.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
@@ -58,7 +58,8 @@ pub struct RunArgs {
     mode: ModeArgs,
 }
 
-fn seconds(text: &str) -> Result<Duration, String> {
+/// A duration in seconds.
+pub(crate) fn seconds(text: &str) -> Result<Duration, String> {
     text.parse()
         .ok()
         .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
@@ -94,10 +95,7 @@ impl RunArgs {
             }
         };
         let model = model.as_ref().map(BlobFile::bytes);
-        let firmware = match &self.firmware {
-            Some(path) => Firmware::open(path)?,
-            None => Firmware::build(Path::new("."), None)?,
-        };
+        let firmware = Firmware::named_or_built(self.firmware.as_deref())?;
         let run = device::run(&firmware, model, &request, self.timeout)?;
         if self.verbose {
             for line in &run.log {
