@@ -13,6 +13,7 @@ use crate::failure::{Failure, Outcome};
 /// The program of the emulated board.
 pub const PACKAGE: Package<'_> = Package {
     name: "rho-mps2-an385",
+    program: Some("rho-mps2-an385"),
     // That of all that runs on a microcontroller.
     profile: "firmware",
     target: Some("thumbv7m-none-eabi"),
@@ -39,12 +40,19 @@ impl Firmware {
     /// # Errors
     /// Those of [`Package::build`] and [`Firmware::open`].
     pub fn build(folder: &Path, target_dir: Option<&Path>) -> Outcome<Self> {
-        let path = PACKAGE.build(folder, target_dir).map_err(|failure| {
+        Self::of(&PACKAGE, folder, target_dir).map_err(|failure| {
             let help = failure.help.as_deref().unwrap_or_default();
             let help = format!("{help}, or pass --firmware ELF");
             failure.help(help)
-        })?;
-        Self::open(&path)
+        })
+    }
+
+    /// The same for another program of this board.
+    ///
+    /// # Errors
+    /// Those of [`Firmware::build`].
+    pub fn of(package: &Package<'_>, folder: &Path, target_dir: Option<&Path>) -> Outcome<Self> {
+        Self::open(&package.build(folder, target_dir)?)
     }
 
     /// Opens the image at the path; without one, builds it from the workspace in the current

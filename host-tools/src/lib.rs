@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bake;
+pub mod bench;
 pub mod blob_file;
 pub mod cargo;
 pub mod cli;
@@ -19,6 +20,7 @@ pub mod model;
 pub mod palette;
 pub mod panel;
 pub mod peak;
+pub mod peer;
 pub mod picture;
 pub mod profile;
 pub mod qemu;

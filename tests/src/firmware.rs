@@ -23,7 +23,8 @@ pub fn workspace() -> &'static Path {
 
 /// Where the firmware is built: beside the tests' own target folder, so that neither build
 /// waits for the other's lock.
-fn target_dir() -> PathBuf {
+#[must_use]
+pub fn target_dir() -> PathBuf {
     // A test runs from TARGET/PROFILE/deps.
     let target = env::current_exe()
         .ok()

@@ -67,7 +67,7 @@ impl Register {
 }
 
 /// The memory in which a model may lie.
-pub(crate) fn model() -> &'static [u8] {
+pub fn model() -> &'static [u8] {
     // SAFETY: the board has 16 MB of memory there, no section of the program lies in it
     // (board.x), and nothing writes to it after the emulator's loader, which ran before reset.
     unsafe { core::slice::from_raw_parts(MODEL, MODEL_BYTES) }

@@ -1,0 +1,112 @@
+//! What is measured: the rows of the table.
+
+use crate::cargo::Package;
+
+/// A way to draw a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// Its name in the table.
+    pub name: &'static str,
+    /// Whose it is.
+    pub group: Group,
+    /// How it draws.
+    pub way: Way,
+}
+
+/// Whose a way is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// This project's; its figures may not grow.
+    Ours,
+    /// The paper's, by this project's parts.
+    Paper,
+    /// Somebody else's.
+    Peer,
+}
+
+/// How a model is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// By the renderer.
+    Renderer {
+        /// Flags of `rho bake`.
+        bake: &'static str,
+        /// Flags of `rho run`.
+        run: &'static str,
+    },
+    /// By a program of the package `rho-peers`, from every vertex.
+    Points(&'static str),
+    /// By a program of the package `rho-peers`, from at most so many triangles.
+    Triangles(&'static str, usize),
+}
+
+const fn ours(name: &'static str, bake: &'static str, run: &'static str) -> Row {
+    let (group, way) = (Group::Ours, Way::Renderer { bake, run });
+    Row { name, group, way }
+}
+
+const fn paper(name: &'static str, bake: &'static str, run: &'static str) -> Row {
+    let (group, way) = (Group::Paper, Way::Renderer { bake, run });
+    Row { name, group, way }
+}
+
+const fn peer(name: &'static str, way: Way) -> Row {
+    let group = Group::Peer;
+    Row { name, group, way }
+}
+
+/// All rows, in the order of the table.
+pub const ROWS: [Row; 9] = [
+    ours(
+        "discs, 81 cells",
+        "--rho 3,3,3,3 --thin --layout offset",
+        "--footprint disc",
+    ),
+    ours(
+        "discs, 108 cells",
+        "--rho 2,3,2,3,3 --thin --layout offset",
+        "--footprint disc",
+    ),
+    ours(
+        "discs, 162 cells",
+        "--rho 2,3,3,3,3 --thin --layout offset",
+        "--footprint disc",
+    ),
+    ours("boxes, 243 cells", "", ""),
+    // Section 5.1: every leaf, a pixel each, against a depth buffer.
+    paper(
+        "paper: points",
+        "",
+        "--visibility z --footprint point --cell-size 0",
+    ),
+    // Section 5.2: a cell below a pixel is drawn from its own sample, a splat as large as it.
+    paper(
+        "paper: multi-level splats",
+        "",
+        "--visibility z --footprint splat --cell-size 1",
+    ),
+    peer("flat points, 2x2 dots", Way::Points("flat-points")),
+    peer(
+        "embedded-3dgfx, 5,000 triangles",
+        Way::Triangles("triangles-5k", 5_000),
+    ),
+    peer(
+        "embedded-3dgfx, all triangles",
+        Way::Triangles("triangles", usize::MAX),
+    ),
+];
+
+impl Way {
+    /// The program that draws.
+    #[must_use]
+    pub fn package(&self) -> Package<'static> {
+        match *self {
+            Self::Renderer { .. } => crate::firmware::PACKAGE,
+            Self::Points(program) | Self::Triangles(program, _) => Package {
+                name: "rho-peers",
+                program: Some(program),
+                ..crate::firmware::PACKAGE
+            },
+        }
+    }
+}
