@@ -139,14 +139,20 @@ mod tests {
 
     #[test]
     fn triangles_without_area_are_left_out() {
-        let mesh = sphere();
-        // A pole's triangles have two corners at the same place in one of each two.
-        let whole = mesh.triangles.len() as u32 - 48;
+        let mut mesh = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            normals: vec![DVec3::Z; 3],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
         let bytes = triangles(&mesh);
         assert_eq!(bytes[..4], *b"MESH");
-        let counts = [mesh.positions.len() as u32, whole];
-        assert_eq!(bytes[4..12], *bytemuck::cast_slice::<u32, u8>(&counts));
-        assert_eq!(bytes.len() as u32, 12 + 12 * counts[0] + 24 * whole);
+        assert_eq!(bytes[4..12], [3, 0, 0, 0, 1, 0, 0, 0]);
+        assert_eq!(bytes.len(), 12 + 3 * 12 + 12 + 12);
+        // Its normal comes last: +z.
+        assert_eq!(bytes[bytes.len() - 4..], 1.0_f32.to_le_bytes());
+        mesh.triangles.push([1, 1, 2]);
+        assert_eq!(triangles(&mesh), bytes);
     }
 
     #[test]
