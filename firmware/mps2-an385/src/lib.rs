@@ -1,5 +1,9 @@
 //! The emulated board, QEMU's mps2-an385 (Cortex-M3, 25 MHz): wiring only.
 //!
+//! Built for thumbv7em-none-eabihf it runs on mps2-an386, which has a Cortex-M4F and the same devices
+//! at the same addresses; built for thumbv6m-none-eabi it runs on the Cortex-M3, which understands all
+//! that a Cortex-M0 does.
+//!
 //! | what | where |
 //! | --- | --- |
 //! | program | 0x0000_0000, 4 MB |

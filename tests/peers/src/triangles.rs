@@ -2,7 +2,9 @@
 //!
 //! As its documentation advises for a microcontroller: the slim features with 16-bit depth, face
 //! normals made before and kept in flash, flat shading by a directional light, near and far plane
-//! close to the model, no telemetry, no caps, record and execute with a buffer of commands.
+//! close to the model, no telemetry, no caps, record and execute with a buffer of commands. Its
+//! feature `fixed-raster`, meant for cores without a floating-point unit, takes more instructions
+//! on this one and is left out.
 
 use core::convert::Infallible;
 
