@@ -15,6 +15,7 @@ pub mod failure;
 pub mod firmware;
 pub mod flash;
 pub mod geometry;
+pub mod machine;
 pub mod mesh;
 pub mod model;
 pub mod palette;

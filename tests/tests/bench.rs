@@ -6,6 +6,7 @@ use std::path::Path;
 
 use host_tools::bench::rows::{Group, ROWS};
 use host_tools::bench::{Ready, Subject, committed};
+use host_tools::machine::Machine;
 use host_tools::model::Up;
 use host_tools::view::{StandardView, View};
 use rho_tests::firmware::{target_dir, workspace};
@@ -33,7 +34,7 @@ fn no_figure_of_ours_is_larger_than_in_the_committed_table() {
     };
     for row in ROWS.into_iter().filter(|row| row.group == Group::Ours) {
         let folder: &Path = workspace();
-        let ready = Ready::new(row, &bunny, folder, Some(&target_dir())).unwrap();
+        let ready = Ready::new(row, Machine::M3, &bunny, folder, Some(&target_dir())).unwrap();
         check(row.name, "all views", ready.model_bytes() as u64);
         for view in StandardView::ALL {
             let run = ready.draw(&View::from(view), None).unwrap();

@@ -19,6 +19,7 @@ use crate::compare::{Comparison, compare};
 use crate::device::{self, Run};
 use crate::failure::{Failure, Outcome};
 use crate::firmware::Firmware;
+use crate::machine::Machine;
 use crate::mesh::Mesh;
 use crate::model::{self, LoadOptions, Up};
 use crate::peer;
@@ -105,11 +106,13 @@ impl Ready {
     /// Those of the commands that a row stands for.
     pub fn new(
         row: Row,
+        machine: Machine,
         subject: &Subject,
         folder: &Path,
         target_dir: Option<&Path>,
     ) -> Outcome<Self> {
-        let firmware = Firmware::of(&row.way.package(), folder, target_dir)?;
+        let program = row.way.package(machine).build(folder, target_dir)?;
+        let firmware = Firmware::open(&program, machine)?;
         let (model, run) = match row.way {
             Way::Renderer { bake, run } => (baked(subject, bake)?, run),
             Way::Points(_) => (peer::points(&subject.mesh), ""),
@@ -231,7 +234,13 @@ pub fn truths(mesh: &Mesh, views: &[View]) -> Outcome<Vec<Picture>> {
 /// instructions, and the model's bytes under `all views`.
 #[must_use]
 pub fn committed(page: &str) -> BTreeMap<(String, String), u64> {
-    page.lines()
+    page.split("\n## ")
+        .filter(|section| {
+            [table::COST, table::MEMORY]
+                .iter()
+                .any(|t| section.starts_with(t))
+        })
+        .flat_map(str::lines)
         .filter_map(|line| {
             let mut cells = line.strip_prefix("| ")?.split(" | ");
             let key = (cells.next()?.to_owned(), cells.next()?.to_owned());
@@ -239,4 +248,19 @@ pub fn committed(page: &str) -> BTreeMap<(String, String), u64> {
             Some((key, number))
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_read_from_the_tables_that_hold_them() {
+        let page = "# Page\n\n## Cost and quality\n\n| what | view | instructions | setup |\n\
+            | --- | --- | ---: | ---: |\n| a, b | near | 1,234,567 | 8 |\n\n## Memory, bytes\n\n\
+            | a, b | all views | 90 | 8 |\n\n## Other cores\n\n| a, b | near | 1 | 2 |\n";
+        let expected = [("all views", 90), ("near", 1_234_567)];
+        let expected = expected.map(|(of, n)| (("a, b".to_owned(), of.to_owned()), n));
+        assert_eq!(committed(page), BTreeMap::from(expected));
+    }
 }

@@ -1,6 +1,7 @@
 //! What is measured: the rows of the table.
 
 use crate::cargo::Package;
+use crate::machine::Machine;
 
 /// A way to draw a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,15 +98,15 @@ pub const ROWS: [Row; 9] = [
 ];
 
 impl Way {
-    /// The program that draws.
+    /// The program that draws on a machine.
     #[must_use]
-    pub fn package(&self) -> Package<'static> {
+    pub fn package(&self, machine: Machine) -> Package<'static> {
         match *self {
-            Self::Renderer { .. } => crate::firmware::PACKAGE,
+            Self::Renderer { .. } => machine.viewer(),
             Self::Points(program) | Self::Triangles(program, _) => Package {
                 name: "rho-peers",
                 program: Some(program),
-                ..crate::firmware::PACKAGE
+                ..machine.viewer()
             },
         }
     }

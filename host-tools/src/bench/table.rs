@@ -5,9 +5,15 @@ use std::fmt::Write;
 use rho_viewer::count::Phase;
 
 use super::Measured;
+use crate::machine::Machine;
 use crate::profile::cycles::Core;
 use crate::profile::thumb::Class;
 use crate::text::thousands;
+
+/// The title over [`standard`].
+pub const COST: &str = "Cost and quality";
+/// The title over [`memory`].
+pub const MEMORY: &str = "Memory, bytes";
 
 /// A line of a table: the row's name, the view's, and what was measured.
 pub type Line<'a> = (&'a str, &'a str, &'a Measured);
@@ -68,6 +74,28 @@ pub fn standard(lines: &[Line<'_>]) -> String {
     table
 }
 
+/// What each way in `ours` costs, in parts of what each in `others` costs in the same view.
+#[must_use]
+pub fn against(ours: &[Line<'_>], others: &[Line<'_>]) -> String {
+    let mut columns = vec!["what", "view"];
+    for (name, ..) in others {
+        if !columns.contains(name) {
+            columns.push(name);
+        }
+    }
+    let mut table = begin(&columns);
+    for (name, view, measured) in ours {
+        let mut cells = vec![(*name).to_owned(), (*view).to_owned()];
+        let same_view = others.iter().filter(|(_, other, _)| other == view);
+        cells.extend(same_view.map(|(.., other)| {
+            let part = measured.phases.frame() as f64 / other.phases.frame().max(1) as f64;
+            format!("{part:.3}")
+        }));
+        line(&mut table, &cells);
+    }
+    table
+}
+
 /// What a way takes of the device, by its most expensive view.
 #[must_use]
 pub fn memory(lines: &[Line<'_>]) -> String {
@@ -119,6 +147,22 @@ pub fn classes(lines: &[Line<'_>]) -> String {
         let moved: u64 = several.iter().map(|class| work.registers[*class]).sum();
         let by: u64 = several.iter().map(|class| work.ran[*class]).sum();
         cells.push(format!("{:.1}", moved as f64 / by.max(1) as f64));
+        line(&mut table, &cells);
+    }
+    table
+}
+
+/// Instructions by core, from the same rows and views of each.
+#[must_use]
+pub fn cores(results: &[(Machine, Vec<(&str, String, Measured)>)]) -> String {
+    let mut columns = vec!["what", "view"];
+    columns.extend(results.iter().map(|(machine, _)| machine.core()));
+    let mut table = begin(&columns);
+    let first = results.first().map_or(&[][..], |(_, first)| first);
+    for (i, (name, view, _)) in first.iter().enumerate() {
+        let mut cells = vec![(*name).to_owned(), view.clone()];
+        let of = results.iter().filter_map(|(_, all)| all.get(i));
+        cells.extend(of.map(|(.., measured)| thousands(measured.phases.frame())));
         line(&mut table, &cells);
     }
     table

@@ -13,6 +13,7 @@ use crate::bench::rows::{Group, ROWS, Row, Way};
 use crate::bench::{Measured, Ready, Subject, table, truths};
 use crate::cli::profile::work_object;
 use crate::failure::{Failure, Outcome};
+use crate::machine::Machine;
 use crate::model::Up;
 use crate::profile;
 use crate::replace::{check_replaceable, replace};
@@ -111,7 +112,19 @@ impl BenchArgs {
             .map(|v| (v.name().to_owned(), View::from(*v)))
             .collect();
         let bunny = Subject::scan("bunny", Up::Y)?;
-        let results = self.measure(&rows, &bunny, &named, Some(&plugin))?;
+        let results = self.measure(&rows, Machine::M3, &bunny, &named, Some(&plugin))?;
+        let ours: Vec<Row> = rows
+            .iter()
+            .copied()
+            .filter(|row| row.group == Group::Ours)
+            .collect();
+        let mut cores = Vec::new();
+        for machine in Machine::ALL {
+            if !self.quick && !ours.is_empty() {
+                let results = self.measure(&ours, machine, &bunny, &named, None)?;
+                cores.push((machine, results));
+            }
+        }
         let growth = if self.quick || !self.only.is_empty() {
             Vec::new()
         } else {
@@ -121,14 +134,30 @@ impl BenchArgs {
             .iter()
             .map(|(n, v, m)| (*n, v.as_str(), m))
             .collect();
-        let mut page = format!("\n## Cost and quality\n\n{}", table::standard(&lines));
-        page += &format!("\n## Memory, bytes\n\n{}", table::memory(&lines));
+        let mut page = format!("\n## {}\n\n{}", table::COST, table::standard(&lines));
+        let is_ours = |(name, ..): &&table::Line<'_>| ours.iter().any(|row| row.name == *name);
+        let of_ours: Vec<_> = lines.iter().filter(is_ours).copied().collect();
+        let others: Vec<_> = lines.iter().filter(|l| !is_ours(l)).copied().collect();
+        if !of_ours.is_empty() && !others.is_empty() {
+            page += &format!(
+                "\n## Against the others\n\nInstructions of ours, in parts of theirs.\n\n{}",
+                table::against(&of_ours, &others)
+            );
+        }
+        page += &format!("\n## {}\n\n{}", table::MEMORY, table::memory(&lines));
         if self.classes {
             page += &format!(
                 "\n## By class and core\n\nInstructions, and cycles estimated from the cores' tables for \
                  memory without wait states, in millions; classes in per cent of the \
                  instructions.\n\n{}",
                 table::classes(&lines)
+            );
+        }
+        if !cores.is_empty() {
+            page += &format!(
+                "\n## Other cores\n\nInstructions of the same frames, by programs built for each \
+                 core; the pictures are the same, bit for bit.\n\n{}",
+                table::cores(&cores)
             );
         }
         if !growth.is_empty() {
@@ -169,13 +198,14 @@ impl BenchArgs {
     fn measure(
         &self,
         rows: &[Row],
+        machine: Machine,
         subject: &Subject,
         views: &[(String, View)],
         plugin: Option<&Path>,
     ) -> Outcome<Vec<Result>> {
         let ready = rows
             .iter()
-            .map(|row| Ready::new(*row, subject, Path::new("."), None))
+            .map(|row| Ready::new(*row, machine, subject, Path::new("."), None))
             .collect::<Outcome<Vec<_>>>()?;
         let only: Vec<_> = views.iter().map(|(_, view)| *view).collect();
         let truths = truths(&subject.mesh, &only)?;
@@ -213,7 +243,7 @@ impl BenchArgs {
             let mut add = |results: Vec<Result>| {
                 all.extend(results.into_iter().map(|result| (triangles, result)));
             };
-            add(self.measure(&rows, &subject, &views, None)?);
+            add(self.measure(&rows, Machine::M3, &subject, &views, None)?);
             if name == "bunny" {
                 rows = vec![row(first.name, bake)];
                 views = DISTANCES
@@ -225,7 +255,7 @@ impl BenchArgs {
                         )
                     })
                     .into();
-                add(self.measure(&rows, &subject, &views, None)?);
+                add(self.measure(&rows, Machine::M3, &subject, &views, None)?);
             }
         }
         Ok(all)
