@@ -2,8 +2,10 @@
 //! floating-point unit.
 
 use host_tools::blob_file::BlobFile;
+use host_tools::geometry::triangles::Triangles;
 use host_tools::machine::Machine;
 use host_tools::render;
+use host_tools::sampling::Separation;
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use rho_grid::blob::Layout;
 use rho_grid::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
@@ -12,9 +14,7 @@ use rho_tests::model;
 use rho_tests::scan::{baked_bunny, bunny, encoded, sampled};
 use rho_viewer::request::{Request, Scene};
 
-use host_tools::geometry::triangles::Triangles;
-use host_tools::sampling::Separation;
-
+/// Every mode on a small model, and the bunny from the standard views.
 fn draws_the_hosts_bits(machine: Machine) {
     let firmware = firmware_for(machine);
     let discs = sampled(&Triangles::new(bunny()), &[3; 4], Separation::Six);

@@ -55,6 +55,17 @@ pub struct Measured {
     pub program_bytes: u64,
 }
 
+/// A row of the table in one view.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// The row's name.
+    pub row: &'static str,
+    /// The view's name.
+    pub view: String,
+    /// What was measured.
+    pub measured: Measured,
+}
+
 /// A way to draw, made ready: its program built, its model in the form that it takes.
 #[derive(Debug)]
 pub struct Ready {

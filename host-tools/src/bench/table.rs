@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use rho_viewer::count::Phase;
 
-use super::Measured;
+use super::{Figure, Measured};
 use crate::machine::Machine;
 use crate::profile::cycles::Core;
 use crate::profile::thumb::Class;
@@ -15,23 +15,23 @@ pub const COST: &str = "Cost and quality";
 /// The title over [`memory`].
 pub const MEMORY: &str = "Memory, bytes";
 
-/// A line of a table: the row's name, the view's, and what was measured.
-pub type Line<'a> = (&'a str, &'a str, &'a Measured);
-
 /// A table with these columns: the first two are text, the others numbers.
 fn begin(columns: &[&str]) -> String {
     let mut table = format!("| {} |\n", columns.join(" | "));
-    let ruler = columns
-        .iter()
-        .enumerate()
-        .map(|(i, _)| if i < 2 { "---" } else { "---:" });
-    let ruler: Vec<_> = ruler.collect();
+    let ruler: Vec<_> = (0..columns.len())
+        .map(|i| if i < 2 { "---" } else { "---:" })
+        .collect();
     let _ = writeln!(table, "| {} |", ruler.join(" | "));
     table
 }
 
 fn line(table: &mut String, cells: &[String]) {
     let _ = writeln!(table, "| {} |", cells.join(" | "));
+}
+
+/// The first cells of a figure's line.
+fn begin_line(figure: &Figure) -> Vec<String> {
+    vec![figure.row.to_owned(), figure.view.clone()]
 }
 
 fn decibels(value: Option<f64>) -> String {
@@ -45,7 +45,7 @@ fn millions(number: u64) -> String {
 
 /// Instructions and quality.
 #[must_use]
-pub fn standard(lines: &[Line<'_>]) -> String {
+pub fn standard(figures: &[Figure]) -> String {
     const PHASES: [Phase; 6] = [
         Phase::Setup,
         Phase::Clear,
@@ -58,11 +58,11 @@ pub fn standard(lines: &[Line<'_>]) -> String {
     columns.extend(PHASES.map(Phase::name));
     columns.extend(["IoU", "dB union", "dB inside", "holes"]);
     let mut table = begin(&columns);
-    for (name, view, measured) in lines {
+    for figure in figures {
         let Measured {
             phases, comparison, ..
-        } = measured;
-        let mut cells = vec![(*name).to_owned(), (*view).to_owned()];
+        } = &figure.measured;
+        let mut cells = begin_line(figure);
         cells.push(thousands(phases.frame()));
         cells.extend(PHASES.map(|phase| thousands(phases.get(phase))));
         cells.push(format!("{:.3}", comparison.iou));
@@ -76,49 +76,47 @@ pub fn standard(lines: &[Line<'_>]) -> String {
 
 /// What each way in `ours` costs, in parts of what each in `others` costs in the same view.
 #[must_use]
-pub fn against(ours: &[Line<'_>], others: &[Line<'_>]) -> String {
+pub fn against(ours: &[&Figure], others: &[&Figure]) -> String {
     let mut columns = vec!["what", "view"];
-    for (name, ..) in others {
-        if !columns.contains(name) {
-            columns.push(name);
+    for other in others {
+        if !columns.contains(&other.row) {
+            columns.push(other.row);
         }
     }
     let mut table = begin(&columns);
-    for (name, view, measured) in ours {
-        let mut cells = vec![(*name).to_owned(), (*view).to_owned()];
-        let same_view = others.iter().filter(|(_, other, _)| other == view);
-        cells.extend(same_view.map(|(.., other)| {
-            let part = measured.phases.frame() as f64 / other.phases.frame().max(1) as f64;
-            format!("{part:.3}")
+    for figure in ours {
+        let mut cells = begin_line(figure);
+        let same_view = others.iter().filter(|other| other.view == figure.view);
+        cells.extend(same_view.map(|other| {
+            let [ours, theirs] = [figure, other].map(|f| f.measured.phases.frame() as f64);
+            format!("{:.3}", ours / theirs)
         }));
         line(&mut table, &cells);
     }
     table
 }
 
-/// What a way takes of the device, by its most expensive view.
+/// What a way takes of the device, its stack in the view that needs most.
 #[must_use]
-pub fn memory(lines: &[Line<'_>]) -> String {
+pub fn memory(figures: &[Figure]) -> String {
     let mut table = begin(&["what", "for", "model", "program", "RAM", "stack"]);
     let mut done = Vec::new();
-    for (name, _, measured) in lines {
-        if done.contains(name) {
+    for Figure { row, measured, .. } in figures {
+        if done.contains(row) {
             continue;
         }
-        done.push(name);
-        let of_row = lines.iter().filter(|(other, ..)| other == name);
-        let stack = of_row.map(|(.., m)| m.stack_bytes).max().unwrap_or(0);
-        line(
-            &mut table,
-            &[
-                (*name).to_owned(),
-                "all views".to_owned(),
-                thousands(measured.model_bytes as u64),
-                thousands(measured.program_bytes),
-                thousands(measured.ram_bytes),
-                thousands(stack.into()),
-            ],
-        );
+        done.push(row);
+        let of_row = figures.iter().filter(|other| other.row == *row);
+        let stack = of_row.map(|f| f.measured.stack_bytes).max().unwrap_or(0);
+        let numbers = [
+            measured.model_bytes as u64,
+            measured.program_bytes,
+            measured.ram_bytes,
+            stack.into(),
+        ];
+        let mut cells = vec![(*row).to_owned(), "all views".to_owned()];
+        cells.extend(numbers.map(thousands));
+        line(&mut table, &cells);
     }
     table
 }
@@ -126,20 +124,21 @@ pub fn memory(lines: &[Line<'_>]) -> String {
 /// Instructions and cycles by core in millions, instructions by class in per cent; empty without
 /// the plugin.
 #[must_use]
-pub fn classes(lines: &[Line<'_>]) -> String {
+pub fn classes(figures: &[Figure]) -> String {
     let mut columns = vec!["what", "view", "instructions"];
     columns.extend(Core::ALL.map(Core::name));
     let classes = Class::ALL.into_iter().filter(|c| *c != Class::Float);
     columns.extend(classes.clone().map(Class::name));
     columns.extend(["taken", "registers moved at once"]);
     let mut table = begin(&columns);
-    for (name, view, measured) in lines {
-        let Some(work) = &measured.work else {
+    for figure in figures {
+        let Some(work) = &figure.measured.work else {
             continue;
         };
         let all = work.instructions();
         let share = |n: u64| format!("{:.1}", 100.0 * n as f64 / all.max(1) as f64);
-        let mut cells = vec![(*name).to_owned(), (*view).to_owned(), millions(all)];
+        let mut cells = begin_line(figure);
+        cells.push(millions(all));
         cells.extend(Core::ALL.map(|core| millions(work.cycles(core))));
         cells.extend(classes.clone().map(|class| share(work.ran[class])));
         cells.push(share(work.taken));
@@ -154,15 +153,15 @@ pub fn classes(lines: &[Line<'_>]) -> String {
 
 /// Instructions by core, from the same rows and views of each.
 #[must_use]
-pub fn cores(results: &[(Machine, Vec<(&str, String, Measured)>)]) -> String {
+pub fn cores(figures: &[(Machine, Vec<Figure>)]) -> String {
     let mut columns = vec!["what", "view"];
-    columns.extend(results.iter().map(|(machine, _)| machine.core()));
+    columns.extend(figures.iter().map(|(machine, _)| machine.core()));
     let mut table = begin(&columns);
-    let first = results.first().map_or(&[][..], |(_, first)| first);
-    for (i, (name, view, _)) in first.iter().enumerate() {
-        let mut cells = vec![(*name).to_owned(), view.clone()];
-        let of = results.iter().filter_map(|(_, all)| all.get(i));
-        cells.extend(of.map(|(.., measured)| thousands(measured.phases.frame())));
+    let first = figures.first().map_or(&[][..], |(_, first)| first);
+    for (i, figure) in first.iter().enumerate() {
+        let mut cells = begin_line(figure);
+        let same = figures.iter().filter_map(|(_, all)| all.get(i));
+        cells.extend(same.map(|figure| thousands(figure.measured.phases.frame())));
         line(&mut table, &cells);
     }
     table
@@ -170,7 +169,7 @@ pub fn cores(results: &[(Machine, Vec<(&str, String, Measured)>)]) -> String {
 
 /// Cost against covered pixels and the model's size.
 #[must_use]
-pub fn growth(lines: &[(&str, &str, u64, &Measured)]) -> String {
+pub fn growth(figures: &[(u64, Figure)]) -> String {
     let mut table = begin(&[
         "what",
         "model, view",
@@ -182,22 +181,21 @@ pub fn growth(lines: &[(&str, &str, u64, &Measured)]) -> String {
         "IoU",
         "holes",
     ]);
-    for (name, view, triangles, measured) in lines {
+    for (triangles, figure) in figures {
+        let measured = &figure.measured;
         let instructions = measured.phases.frame();
-        line(
-            &mut table,
-            &[
-                (*name).to_owned(),
-                (*view).to_owned(),
-                thousands(*triangles),
-                thousands(measured.model_bytes as u64),
-                thousands(measured.pixels as u64),
-                thousands(instructions),
-                thousands(instructions / measured.pixels.max(1) as u64),
-                format!("{:.3}", measured.comparison.iou),
-                measured.comparison.holes.to_string(),
-            ],
-        );
+        let numbers = [
+            *triangles,
+            measured.model_bytes as u64,
+            measured.pixels as u64,
+            instructions,
+            instructions / measured.pixels.max(1) as u64,
+        ];
+        let mut cells = begin_line(figure);
+        cells.extend(numbers.map(thousands));
+        cells.push(format!("{:.3}", measured.comparison.iou));
+        cells.push(measured.comparison.holes.to_string());
+        line(&mut table, &cells);
     }
     table
 }

@@ -10,7 +10,7 @@ use rho_viewer::count::Phase;
 use serde_json::json;
 
 use crate::bench::rows::{Group, ROWS, Row, Way};
-use crate::bench::{Measured, Ready, Subject, table, truths};
+use crate::bench::{Figure, Ready, Subject, table, truths};
 use crate::cli::profile::work_object;
 use crate::failure::{Failure, Outcome};
 use crate::machine::Machine;
@@ -60,10 +60,10 @@ const DISTANCES: [f64; 5] = [1.6, 2.2883, 4.5766, 9.1532, 18.3064];
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct BenchArgs {
-    /// Two views, no triangles, no growth
+    /// Two views, no triangles, no other cores and no growth
     #[arg(long)]
     quick: bool,
-    /// Rows whose name contains this
+    /// Rows whose name contains this, no other cores and no growth
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
     /// Also instructions by class, and cycles by core
@@ -79,9 +79,6 @@ pub struct BenchArgs {
     #[arg(short, long)]
     quiet: bool,
 }
-
-/// A row, a view's name, what was measured.
-type Result = (&'static str, String, Measured);
 
 impl BenchArgs {
     /// Runs the command.
@@ -106,80 +103,10 @@ impl BenchArgs {
                     .help(format!("the rows are: {names}")),
             );
         }
-        let plugin = profile::plugin(Path::new("."), None)?;
-        let named: Vec<_> = views
-            .iter()
-            .map(|v| (v.name().to_owned(), View::from(*v)))
-            .collect();
-        let bunny = Subject::scan("bunny", Up::Y)?;
-        let results = self.measure(&rows, Machine::M3, &bunny, &named, Some(&plugin))?;
-        let ours: Vec<Row> = rows
-            .iter()
-            .copied()
-            .filter(|row| row.group == Group::Ours)
-            .collect();
-        let mut cores = Vec::new();
-        for machine in Machine::ALL {
-            if !self.quick && !ours.is_empty() {
-                let results = self.measure(&ours, machine, &bunny, &named, None)?;
-                cores.push((machine, results));
-            }
-        }
-        let growth = if self.quick || !self.only.is_empty() {
-            Vec::new()
-        } else {
-            self.growth()?
-        };
-        let lines: Vec<_> = results
-            .iter()
-            .map(|(n, v, m)| (*n, v.as_str(), m))
-            .collect();
-        let mut page = format!("\n## {}\n\n{}", table::COST, table::standard(&lines));
-        let is_ours = |(name, ..): &&table::Line<'_>| ours.iter().any(|row| row.name == *name);
-        let of_ours: Vec<_> = lines.iter().filter(is_ours).copied().collect();
-        let others: Vec<_> = lines.iter().filter(|l| !is_ours(l)).copied().collect();
-        if !of_ours.is_empty() && !others.is_empty() {
-            page += &format!(
-                "\n## Against the others\n\nInstructions of ours, in parts of theirs.\n\n{}",
-                table::against(&of_ours, &others)
-            );
-        }
-        page += &format!("\n## {}\n\n{}", table::MEMORY, table::memory(&lines));
-        if self.classes {
-            page += &format!(
-                "\n## By class and core\n\nInstructions, and cycles estimated from the cores' tables for \
-                 memory without wait states, in millions; classes in per cent of the \
-                 instructions.\n\n{}",
-                table::classes(&lines)
-            );
-        }
-        if !cores.is_empty() {
-            page += &format!(
-                "\n## Other cores\n\nInstructions of the same frames, by programs built for each \
-                 core; the pictures are the same, bit for bit.\n\n{}",
-                table::cores(&cores)
-            );
-        }
-        if !growth.is_empty() {
-            let lines: Vec<_> = growth
-                .iter()
-                .map(|(triangles, (n, v, m))| (*n, v.as_str(), *triangles, m))
-                .collect();
-            page += &format!(
-                "\n## Growth\n\nOther models, each baked with `{LIMIT}`, near; and the bunny from \
-                 other distances.\n\n{}",
-                table::growth(&lines)
-            );
-        }
+        let results = self.results(&rows, views)?;
+        let page = results.page(self.classes);
         if self.json {
-            let growth = growth.iter().map(|(_, result)| result);
-            println!(
-                "{}",
-                json!({
-                    "rows": objects(results.iter()),
-                    "growth": objects(growth),
-                })
-            );
+            println!("{}", results.object());
         } else {
             print!("{}", page.trim_start());
         }
@@ -187,6 +114,33 @@ impl BenchArgs {
             replace(output, format!("{INTRODUCTION}{page}").as_bytes())?;
         }
         Ok(())
+    }
+
+    fn results(&self, rows: &[Row], views: &[StandardView]) -> Outcome<Results> {
+        let plugin = profile::plugin(Path::new("."), None)?;
+        let views: Vec<_> = views
+            .iter()
+            .map(|view| (view.name().to_owned(), View::from(*view)))
+            .collect();
+        let bunny = Subject::scan("bunny", Up::Y)?;
+        let mut results = Results {
+            standard: self.measure(rows, Machine::M3, &bunny, &views, Some(&plugin))?,
+            ..Results::default()
+        };
+        if self.quick || !self.only.is_empty() {
+            return Ok(results);
+        }
+        let ours: Vec<Row> = rows
+            .iter()
+            .copied()
+            .filter(|row| row.group == Group::Ours)
+            .collect();
+        for machine in Machine::ALL {
+            let figures = self.measure(&ours, machine, &bunny, &views, None)?;
+            results.cores.push((machine, figures));
+        }
+        results.growth = self.growth()?;
+        Ok(results)
     }
 
     fn wants(&self, row: &Row) -> bool {
@@ -202,7 +156,7 @@ impl BenchArgs {
         subject: &Subject,
         views: &[(String, View)],
         plugin: Option<&Path>,
-    ) -> Outcome<Vec<Result>> {
+    ) -> Outcome<Vec<Figure>> {
         let ready = rows
             .iter()
             .map(|row| Ready::new(*row, machine, subject, Path::new("."), None))
@@ -218,13 +172,17 @@ impl BenchArgs {
             .progress_with(bar)
             .map(|(ready, ((name, view), truth))| {
                 let measured = ready.measure(view, truth, plugin)?;
-                Ok((ready.row.name, name.clone(), measured))
+                Ok(Figure {
+                    row: ready.row.name,
+                    view: name.clone(),
+                    measured,
+                })
             })
             .collect()
     }
 
     /// Our rows with other models and from other distances, and the models' triangles.
-    fn growth(&self) -> Outcome<Vec<(u64, Result)>> {
+    fn growth(&self) -> Outcome<Vec<(u64, Figure)>> {
         let mut all = Vec::new();
         let first = ROWS.into_iter().find(|row| row.group == Group::Ours);
         let Some((first, Way::Renderer { bake, run })) = first.map(|row| (row, row.way)) else {
@@ -240,7 +198,7 @@ impl BenchArgs {
             let triangles = subject.mesh.triangles.len() as u64;
             let mut rows = vec![row("the finest in 512 KiB", LIMIT)];
             let mut views = vec![(format!("{name}, near"), StandardView::Near.into())];
-            let mut add = |results: Vec<Result>| {
+            let mut add = |results: Vec<Figure>| {
                 all.extend(results.into_iter().map(|result| (triangles, result)));
             };
             add(self.measure(&rows, Machine::M3, &subject, &views, None)?);
@@ -272,16 +230,93 @@ impl BenchArgs {
     }
 }
 
-fn objects<'a>(results: impl Iterator<Item = &'a Result>) -> Vec<serde_json::Value> {
-    results
-        .map(|(name, view, measured)| {
+/// All that was measured.
+#[derive(Default)]
+struct Results {
+    /// Every row in every view.
+    standard: Vec<Figure>,
+    /// Our rows on each core.
+    cores: Vec<(Machine, Vec<Figure>)>,
+    /// Our rows with other models and from other distances, and the models' triangles.
+    growth: Vec<(u64, Figure)>,
+}
+
+impl Results {
+    /// The tables.
+    fn page(&self, classes: bool) -> String {
+        let mut page = String::new();
+        let mut section = |title: &str, text: &str, table: String| {
+            page += &format!("\n## {title}\n\n{text}{table}");
+        };
+        let standard = &self.standard;
+        section(table::COST, "", table::standard(standard));
+        let is_ours = |figure: &&Figure| {
+            let mut ours = ROWS.iter().filter(|row| row.group == Group::Ours);
+            ours.any(|row| row.name == figure.row)
+        };
+        let (ours, others): (Vec<_>, Vec<_>) = standard.iter().partition(is_ours);
+        if !ours.is_empty() && !others.is_empty() {
+            section(
+                "Against the others",
+                "Instructions of ours, in parts of theirs.\n\n",
+                table::against(&ours, &others),
+            );
+        }
+        section(table::MEMORY, "", table::memory(standard));
+        if classes {
+            section(
+                "By class and core",
+                "Instructions, and cycles estimated from the cores' tables for memory without wait \
+                 states, in millions; classes in per cent of the instructions.\n\n",
+                table::classes(standard),
+            );
+        }
+        if !self.cores.is_empty() {
+            section(
+                "Other cores",
+                "Instructions of the same frames, by programs built for each core; the pictures are \
+                 the same, bit for bit.\n\n",
+                table::cores(&self.cores),
+            );
+        }
+        if !self.growth.is_empty() {
+            section(
+                "Growth",
+                &format!(
+                    "Other models, each baked with `{LIMIT}`, near; and the bunny from other \
+                     distances.\n\n"
+                ),
+                table::growth(&self.growth),
+            );
+        }
+        page
+    }
+
+    fn object(&self) -> serde_json::Value {
+        let cores: serde_json::Map<_, _> = self
+            .cores
+            .iter()
+            .map(|(machine, figures)| (machine.core().to_owned(), objects(figures.iter())))
+            .collect();
+        json!({
+            "rows": objects(self.standard.iter()),
+            "cores": cores,
+            "growth": objects(self.growth.iter().map(|(_, figure)| figure)),
+        })
+    }
+}
+
+fn objects<'a>(figures: impl Iterator<Item = &'a Figure>) -> serde_json::Value {
+    figures
+        .map(|figure| {
+            let measured = &figure.measured;
             let phases: serde_json::Map<_, _> = Phase::ALL
                 .into_iter()
                 .map(|phase| (phase.name().to_owned(), measured.phases.get(phase).into()))
                 .collect();
             json!({
-                "name": name,
-                "view": view,
+                "name": figure.row,
+                "view": figure.view,
                 "instructions": measured.phases.frame(),
                 "instructions_by_phase": phases,
                 "work": measured.work.as_ref().map(work_object),
