@@ -34,9 +34,10 @@ const INTRODUCTION: &str = "\
 # Benchmark
 
 The Stanford bunny (69,451 triangles) in the standard views, 240x320, drawn by programs on the emulated
-Cortex-M3: this renderer's modes, the paper's own algorithms by the same parts, and others' ways. Each draws
-the view twice; the instructions of the second frame are counted, exactly. Quality is against 25 rays a pixel.
-`make bench` makes this page; a test fails when a figure of ours grows by more than 2 % without it.
+Cortex-M3: this renderer's modes, the paper's own algorithms by the same parts (a program for them alone
+would need fewer instructions), and others' ways. Each draws the view twice; the instructions of the second
+frame are counted, exactly. Quality is against 25 rays a pixel. `make bench` makes this page; a test fails
+when a figure of ours grows by more than 2 % without it.
 
 `instructions` is everything that a moved camera needs: all phases but shading_tables (which change with the
 light) and send (the panel's).

@@ -164,10 +164,10 @@ impl Eye {
             ) else {
                 continue;
             };
-            let scale = scale as u16;
             for at in [0, 1, ROW, ROW + 1] {
-                if depth[at] < scale {
-                    depth[at] = scale;
+                // 16 bits hold it (Eye::new).
+                if i32::from(depth[at]) < scale {
+                    depth[at] = scale as u16;
                     frame[at] = *colour;
                 }
             }
