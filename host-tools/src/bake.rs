@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::blob_file::BlobFile;
 use crate::contents::Contents;
-use crate::encode::{Encoding, encode};
+use crate::encode::{Encoding, encode_all};
 use crate::failure::{Failure, Outcome};
 use crate::flash::{self, Found};
 use crate::geometry::Geometry;
@@ -34,6 +34,8 @@ pub struct BakeOptions {
     pub separation: Separation,
     /// What a sample's word holds.
     pub layout: LayoutChoice,
+    /// Which nodes have samples.
+    pub samples: SampleChoice,
     /// How the model is read; its memory limit is that of the whole bake.
     pub load: LoadOptions,
     /// Where a model is looked for that is not in the current folder.
@@ -44,11 +46,46 @@ impl Default for BakeOptions {
     /// 243 cells an axis by 3,3,3,3,3, each that the surface meets, with materials.
     fn default() -> Self {
         Self {
-            grid: GridChoice::Fixed(Sequence::new(&[3; 5]).unwrap_or_else(|_| unreachable!())),
+            grid: GridChoice::Fixed(vec![
+                Sequence::new(&[3; 5]).unwrap_or_else(|_| unreachable!()),
+            ]),
             separation: Separation::TwentySix,
             layout: LayoutChoice::Material,
+            samples: SampleChoice::All,
             load: LoadOptions::default(),
             models: None,
+        }
+    }
+}
+
+/// The grids of [`BakeOptions::standard`]: 54, 81, 108 and 162 cells an axis, for the presets.
+const STANDARD: [&[u8]; 4] = [&[2, 3, 3, 3], &[3, 3, 3, 3], &[2, 3, 2, 3, 3], &[2, 3, 3, 3, 3]];
+
+impl BakeOptions {
+    /// What serves the presets best: thin grids of discs for every distance, as many as fit into
+    /// `flash` bytes. Words have no room for an offset and a material: a model in several colours
+    /// is baked with materials, by powers of 3.
+    fn standard(model: &Model, flash: Option<u64>, given: Self) -> Self {
+        if model.is_coloured() {
+            return Self {
+                grid: match flash {
+                    Some(flash) => GridChoice::Finest(None, flash),
+                    None => Self::default().grid,
+                },
+                ..given
+            };
+        }
+        let sequences = STANDARD.map(|s| Sequence::new(s).unwrap_or_else(|_| unreachable!()));
+        let sequences = sequences.to_vec();
+        Self {
+            grid: match flash {
+                Some(flash) => GridChoice::Fits(sequences, flash),
+                None => GridChoice::Fixed(sequences),
+            },
+            separation: Separation::Six,
+            layout: LayoutChoice::Offset,
+            samples: SampleChoice::Leaves,
+            ..given
         }
     }
 }
@@ -56,10 +93,13 @@ impl Default for BakeOptions {
 /// How the cube is cut.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum GridChoice {
-    /// By this sequence.
-    Fixed(Sequence),
-    /// By this sequence, which must fit into so many bytes.
-    Fits(Sequence, u64),
+    /// As the presets want it, within so many bytes; leaves, layout and samples follow.
+    Standard(Option<u64>),
+    /// By each of these sequences, one grid each.
+    Fixed(Vec<Sequence>),
+    /// By those of these sequences that fit into so many bytes together: while they do not,
+    /// the finest is left out. One must fit.
+    Fits(Vec<Sequence>, u64),
     /// As finely as fits into so many bytes, by a power of rho, or else by any sequence of
     /// [`flash::mixed`].
     Finest(Option<u8>, u64),
@@ -94,6 +134,16 @@ impl LayoutChoice {
     }
 }
 
+/// Which nodes of a grid have samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum SampleChoice {
+    /// All: what is small on the screen is drawn from fewer samples
+    #[default]
+    All,
+    /// The leaves alone: a tenth smaller, for grids of which each serves one distance
+    Leaves,
+}
+
 /// How far a bake is, for who watches it from another thread.
 #[derive(Debug, Default)]
 pub struct Progress {
@@ -126,7 +176,7 @@ pub struct Report {
     pub contents: Contents,
     /// Where the time went.
     pub seconds: Seconds,
-    /// Grids that were sampled until the finest was found; 1 without a limit.
+    /// Blobs that were made until the finest was found that fits; 1 without a limit.
     pub bakes: u32,
     /// The most memory used, by the kernel's count, else as foreseen.
     pub peak_memory_bytes: u64,
@@ -158,6 +208,14 @@ pub struct Seconds {
 pub fn bake(model: &str, options: &BakeOptions, progress: &Progress) -> Outcome<Baked> {
     let started = Instant::now();
     let model = source::open(model, options.models.as_deref(), &options.load)?;
+    let standard;
+    let options = match options.grid {
+        GridChoice::Standard(flash) => {
+            standard = BakeOptions::standard(&model, flash, options.clone());
+            &standard
+        }
+        _ => options,
+    };
     let mut seconds = Seconds {
         read: started.elapsed().as_secs_f64(),
         ..Seconds::default()
@@ -189,7 +247,7 @@ pub fn bake(model: &str, options: &BakeOptions, progress: &Progress) -> Outcome<
     let triangles = model.triangles();
     let format = model.format();
     let mut warnings = model.warnings;
-    warnings.extend(made.warning);
+    warnings.extend(made.warnings);
     Ok(Baked {
         bytes: made.bytes,
         report: Report {
@@ -228,8 +286,8 @@ fn memory_left(limit: u64, held: u64) -> u64 {
 /// What baking a grid leaves.
 struct Made {
     bytes: Vec<u8>,
-    warning: Option<String>,
-    /// How many grids were made until this one was chosen.
+    warnings: Vec<String>,
+    /// How many blobs were made until this one was chosen.
     bakes: u32,
     /// About the most memory used.
     memory: u64,
@@ -266,22 +324,9 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
     fn bake(&self, seconds: &mut Seconds) -> Outcome<Made> {
         let name = &self.model.name;
         let (candidates, limit) = match &self.options.grid {
-            GridChoice::Fixed(sequence) => return self.one(sequence, seconds),
-            GridChoice::Fits(sequence, limit) => {
-                let made = self.one(sequence, seconds)?;
-                let bytes = made.bytes.len() as u64;
-                if bytes <= *limit {
-                    return Ok(made);
-                }
-                let help = self.what_would_fit(sequence, *limit)?;
-                return Err(Failure::input(format!(
-                    "{name}: the blob has {} bytes ({} cells an axis) and does not fit by {} bytes",
-                    thousands(bytes),
-                    sequence.cells(),
-                    thousands(bytes - limit)
-                ))
-                .help(help));
-            }
+            GridChoice::Standard(_) => unreachable!("replaced when the model was read"),
+            GridChoice::Fixed(sequences) => return self.all(sequences, seconds),
+            GridChoice::Fits(sequences, limit) => return self.fitting(sequences, *limit, seconds),
             GridChoice::Finest(rho, limit) => (rho.map_or_else(flash::mixed, flash::powers), limit),
         };
         match self.finest(&candidates, *limit, seconds)? {
@@ -294,6 +339,49 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
                 candidates[0].cells()
             ))
             .help("raise --flash, or try --thin, which needs fewer samples")),
+        }
+    }
+
+    /// The blob of as many of these sequences as fit into `limit` bytes together.
+    fn fitting(&self, sequences: &[Sequence], limit: u64, seconds: &mut Seconds) -> Outcome<Made> {
+        let mut sequences = sequences.to_vec();
+        let mut trees = self.sample(&sequences, seconds)?;
+        let mut bakes = 0;
+        let mut left_out = Vec::new();
+        loop {
+            bakes += 1;
+            let made = self.encode(&sequences, &trees, seconds);
+            let bytes = made.bytes.len() as u64;
+            if bytes <= limit {
+                let mut warnings = made.warnings;
+                warnings.extend(left_out);
+                return Ok(Made {
+                    warnings,
+                    bakes,
+                    ..made
+                });
+            }
+            let finest = (0..sequences.len()).max_by_key(|&at| sequences[at].cells());
+            let sequence = sequences.remove(finest.unwrap_or_default());
+            trees.remove(finest.unwrap_or_default());
+            if trees.is_empty() {
+                let help = self.what_would_fit(&sequence, limit)?;
+                return Err(Failure::input(format!(
+                    "{}: the blob has {} bytes ({} cells an axis) and does not fit by {} bytes",
+                    self.model.name,
+                    thousands(bytes),
+                    sequence.cells(),
+                    thousands(bytes - limit)
+                ))
+                .help(help));
+            }
+            left_out.push(format!(
+                "{sequence} ({} cells) was left out: with it the blob has {} bytes, {} more than \
+                 --flash allows",
+                sequence.cells(),
+                thousands(bytes),
+                thousands(bytes - limit)
+            ));
         }
     }
 
@@ -311,7 +399,7 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
         let mut bakes = 0;
         let found = flash::finest(&foreseen, limit, |index| {
             bakes += 1;
-            let made = self.one(&candidates[index], seconds)?;
+            let made = self.all(&candidates[index..=index], seconds)?;
             Ok((made.bytes.len() as u64, made))
         })?;
         Ok(match found {
@@ -368,7 +456,11 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
         for &rho in sequence.as_slice().iter().rev() {
             level = (level / f64::from(rho).powi(2)).max(1.0);
             let mask = f64::from(4 * mask_words(rho, 4) as u32) / 4.0;
-            bytes += level * (word + mask + 2.0);
+            let sample = match self.options.samples {
+                SampleChoice::All => word,
+                SampleChoice::Leaves => 0.0,
+            };
+            bytes += level * (sample + mask + 2.0);
         }
         bytes as u64
     }
@@ -377,60 +469,104 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
         self.options.layout.layout(self.options.separation)
     }
 
-    /// Samples one grid and encodes it.
-    fn one(&self, sequence: &Sequence, seconds: &mut Seconds) -> Outcome<Made> {
+    /// Samples the grids and encodes them.
+    fn all(&self, sequences: &[Sequence], seconds: &mut Seconds) -> Outcome<Made> {
+        let trees = self.sample(sequences, seconds)?;
+        Ok(self.encode(sequences, &trees, seconds))
+    }
+
+    /// Samples the grids, side by side.
+    fn sample(&self, sequences: &[Sequence], seconds: &mut Seconds) -> Outcome<Vec<Tree>> {
         let started = Instant::now();
-        let sampling = self.sampling(sequence);
+        let mut samplings: Vec<Sampling> = sequences.iter().map(|s| self.sampling(s)).collect();
+        let needs: Vec<u64> = samplings
+            .iter()
+            .map(|sampling| sampling.expected_memory(self.geometry))
+            .collect();
+        let all: u64 = needs.iter().sum();
+        // Each has the part of the memory that it is foreseen to need.
+        for (sampling, need) in samplings.iter_mut().zip(needs) {
+            sampling.memory = (sampling.memory as f64 * need as f64 / all.max(1) as f64) as u64;
+        }
         self.progress.leaves.store(0, Ordering::Relaxed);
-        let expected = sampling.expected_leaves(self.geometry);
+        let expected = samplings
+            .iter()
+            .map(|sampling| sampling.expected_leaves(self.geometry))
+            .sum();
         self.progress.expected.store(expected, Ordering::Relaxed);
-        let tree = sampling
-            .sample(self.geometry, &self.progress.leaves)
-            .map_err(|failure| Failure {
-                message: format!("{}: {}", self.model.name, failure.message),
-                ..failure
-            })?;
-        let sampled = Instant::now();
-        seconds.sample += (sampled - started).as_secs_f64();
+        let trees = samplings
+            .par_iter()
+            .map(|sampling| {
+                let mut tree = sampling
+                    .sample(self.geometry, &self.progress.leaves)
+                    .map_err(|failure| Failure {
+                        message: format!("{}: {}", self.model.name, failure.message),
+                        ..failure
+                    })?;
+                if self.options.samples == SampleChoice::Leaves {
+                    tree.drop_intermediate_samples();
+                }
+                Ok(tree)
+            })
+            .collect::<Outcome<Vec<Tree>>>()?;
+        seconds.sample += started.elapsed().as_secs_f64();
+        Ok(trees)
+    }
+
+    /// Writes a grid a tree.
+    fn encode(&self, sequences: &[Sequence], trees: &[Tree], seconds: &mut Seconds) -> Made {
+        let started = Instant::now();
         let (palette, warning) = if self.model.white {
             (Palette::of(std::iter::empty()), None)
         } else {
-            palette(&tree, self.layout())
+            palette(trees, self.layout())
         };
         let encoding = Encoding {
             layout: self.layout(),
             palette,
-            origin: self.origin(sequence),
+            origin: self.origin(sequences),
         };
-        let bytes = encode(&tree, &encoding);
-        seconds.encode += sampled.elapsed().as_secs_f64();
-        Ok(Made {
+        let bytes = encode_all(trees, &encoding);
+        seconds.encode += started.elapsed().as_secs_f64();
+        let memory = sequences
+            .iter()
+            .map(|sequence| self.sampling(sequence).expected_memory(self.geometry));
+        Made {
             bytes,
-            warning,
+            warnings: warning.into_iter().collect(),
             bakes: 1,
-            memory: self.held + sampling.expected_memory(self.geometry),
-        })
+            memory: self.held + memory.sum::<u64>(),
+        }
     }
 
     /// Where the blob comes from. The options are written as flags that bake it again.
-    fn origin(&self, sequence: &Sequence) -> String {
+    fn origin(&self, sequences: &[Sequence]) -> String {
         let BakeOptions {
             separation,
             layout,
+            samples,
             load,
             ..
         } = self.options;
         let thin = match separation {
             Separation::TwentySix => "",
-            Separation::Six => " --thin",
+            Separation::Six => "--thin ",
+        };
+        let samples = match samples {
+            SampleChoice::All => "",
+            SampleChoice::Leaves => " --samples leaves",
         };
         let up = match load.up {
             Up::Y => "y",
             Up::Z => "z",
         };
         let white = if load.white { " --white" } else { "" };
+        let rho: String = sequences
+            .iter()
+            .map(|sequence| format!("--rho {sequence} "))
+            .collect();
         let mut origin = format!(
-            "generator=rho {}\noptions=--rho {sequence}{thin} --layout {} --up {up}{white}\n\
+            "generator=rho {}\noptions={rho}{thin}--layout {}{samples} --up {up}{white}\n\
              source={}\n",
             env!("CARGO_PKG_VERSION"),
             layout.name(),
@@ -445,10 +581,10 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
 }
 
 /// The colours of the leaves as materials, and what is lost by that.
-fn palette(tree: &Tree, layout: Layout) -> (Palette, Option<String>) {
+fn palette(trees: &[Tree], layout: Layout) -> (Palette, Option<String>) {
     let leaves = || {
-        let leaves = tree.levels.last();
-        leaves.into_iter().flat_map(|level| &level.samples)
+        let leaves = trees.iter().filter_map(|tree| tree.levels.last());
+        leaves.flat_map(|level| &level.samples)
     };
     let palette = Palette::of(leaves().map(|sample| sample.colour));
     if layout.material == 0 && palette.colours().len() > 1 {
@@ -458,7 +594,7 @@ fn palette(tree: &Tree, layout: Layout) -> (Palette, Option<String>) {
                 *sum += u64::from(channel);
             }
         }
-        let n = tree.leaves().max(1) as u64;
+        let n = (leaves().count() as u64).max(1);
         let mean = sum.map(|sum| ((sum + n / 2) / n) as u8);
         let warning = "this layout has no room for colours: all became their mean";
         return (Palette::of(std::iter::once(mean)), Some(warning.to_owned()));
@@ -527,7 +663,9 @@ mod tests {
             (&[2, 3, 3, 3, 3], 0.1),
         ] {
             let sequence = Sequence::new(sequence).unwrap();
-            let truth = baker.one(&sequence, &mut Seconds::default()).unwrap();
+            let truth = baker
+                .all(std::slice::from_ref(&sequence), &mut Seconds::default())
+                .unwrap();
             let ratio = baker.foreseen_bytes(&sequence) as f64 / truth.bytes.len() as f64;
             assert!((ratio - 1.0).abs() < within, "{sequence} {ratio}");
         }
@@ -550,12 +688,12 @@ mod tests {
                 .collect();
             tree
         };
-        let (palette_8, warning) = palette(&coloured(8), Layout::MATERIAL);
+        let (palette_8, warning) = palette(&[coloured(8)], Layout::MATERIAL);
         assert_eq!((palette_8.colours().len(), warning), (8, None));
-        let (palette_9, warning) = palette(&coloured(9), Layout::MATERIAL);
+        let (palette_9, warning) = palette(&[coloured(9)], Layout::MATERIAL);
         assert_eq!(palette_9.colours().len(), 8);
         assert!(warning.unwrap().contains("8 materials"));
-        let (mean, warning) = palette(&coloured(9), Layout::OFFSET);
+        let (mean, warning) = palette(&[coloured(9)], Layout::OFFSET);
         assert_eq!(mean.colours(), [[80, 0, 0]]);
         assert!(warning.is_some());
     }

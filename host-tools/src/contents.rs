@@ -9,7 +9,7 @@ use serde::Serialize;
 /// What is in a blob; the sums are over its grids.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Contents {
-    /// Intermediate samples and leaves.
+    /// Intermediate nodes and leaves.
     pub nodes: u64,
     /// Samples of the finest levels.
     pub leaf_samples: u64,
@@ -32,14 +32,18 @@ pub struct GridContents {
     pub rho: Vec<u8>,
     /// Cells an axis by level, from the root's 1.
     pub cells: Vec<u32>,
-    /// Intermediate samples and leaves.
+    /// Intermediate nodes and leaves.
     pub nodes: u64,
+    /// The level from which on nodes have samples: 0 for all of them.
+    pub first_sampled: usize,
     /// Nodes of each level, the root's 1 first, the leaves last.
     pub nodes_by_level: Vec<u64>,
     /// Samples of the finest level.
     pub leaf_samples: u64,
     /// Children a node above the leaves: nodes without the root over inner nodes.
     pub alpha: f64,
+    /// Bytes of its sections.
+    pub bytes: u64,
     /// 26, or 6 for thin leaves.
     pub separation: u8,
     /// What a sample's word holds.
@@ -80,14 +84,18 @@ impl Contents {
     /// Counts.
     #[must_use]
     pub fn of(blob: &Blob<'_>) -> Self {
-        let grids: Vec<_> = (0..blob.grid_count())
-            .filter_map(|index| blob.grid(index))
-            .map(|grid| GridContents::of(&grid))
-            .collect();
+        let mut grids: Vec<_> = blob.grids().map(|grid| GridContents::of(&grid)).collect();
         let total = blob.bytes().len() as u64;
         let mut bytes = BTreeMap::new();
         for section in blob.sections() {
-            *bytes.entry(section_name(section.kind)).or_default() += section.bytes.len() as u64;
+            let length = section.bytes.len() as u64;
+            *bytes.entry(section_name(section.kind)).or_default() += length;
+            let of_grids = kind::GRID..=kind::ATTRIBUTES;
+            if let Some(grid) = grids.get_mut(usize::from(section.grid))
+                && of_grids.contains(&section.kind)
+            {
+                grid.bytes += length;
+            }
         }
         let sections: u64 = bytes.values().sum();
         bytes.insert("header".to_owned(), total - sections);
@@ -125,6 +133,7 @@ impl GridContents {
             rho: levels.iter().map(|level| level.rho).collect(),
             cells: (0..=levels.len()).map(|level| grid.cells(level)).collect(),
             nodes,
+            first_sampled: grid.first_sampled(),
             nodes_by_level: levels
                 .iter()
                 .map(|level| u64::from(level.nodes))
@@ -132,6 +141,7 @@ impl GridContents {
                 .collect(),
             leaf_samples,
             alpha: (nodes - 1) as f64 / (nodes - leaf_samples) as f64,
+            bytes: 0,
             separation: grid.separation(),
             layout: grid.layout().into(),
         }

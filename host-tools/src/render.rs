@@ -3,14 +3,18 @@
 use fixed::traits::ToFixed;
 use glam::DVec3;
 use rho_grid::blob::Blob;
+use rho_grid::camera::Camera;
 use rho_grid::frame::Frame;
-use rho_grid::mode::{Mode, VisibilityMode};
+use rho_grid::mode::{FrameMode, Mode, VisibilityMode};
 use rho_grid::q::Unit;
-use rho_grid::render::{self, EyeOrder, Rect, Visibility, ZBuffer};
-use rho_grid::shading::Shading;
+use rho_grid::render::{self, EyeOrder, Rect, Tones, Visibility, ZBuffer, tone_words};
+use rho_grid::shading::{Palette, Shading, ToneTable};
 
 use crate::failure::{Failure, Outcome};
 use crate::view::View;
+
+/// Pixels a row of the widest picture.
+const WIDEST: usize = Camera::MAX_SIDE as usize;
 
 /// Black; the standard scene's background.
 pub const BACKGROUND: u16 = 0;
@@ -58,8 +62,16 @@ pub fn light(towards: DVec3) -> [Unit; 3] {
 /// Draws `blob`.
 ///
 /// # Errors
-/// When the view is out of range, or the blob has several grids.
+/// When the view is out of range, or the blob has no such grid.
 pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outcome<Drawn> {
+    let grid = blob.grid(mode.grid).ok_or_else(|| {
+        let count = blob.grid_count();
+        Failure::input(format!(
+            "there is no grid {} in a blob of {count}",
+            mode.grid
+        ))
+        .help(format!("give --grid 0 to {}", count - 1))
+    })?;
     let camera = view.camera()?;
     let (width, height) = (camera.width, camera.height);
     let pixels = usize::from(width) * usize::from(height);
@@ -67,16 +79,23 @@ pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outco
     let mut tables = Box::new(render::View::empty());
     let mut colours = vec![0; Shading::words(blob.materials().len())];
     let internal = |what: &str| Failure::input(format!("{what} (an error in rho)"));
-    let grid = match (blob.grid_count(), blob.grid(0)) {
-        (1, Some(grid)) => grid,
-        _ => {
-            return Err(Failure::input("the blob has several grids")
-                .help("this version draws blobs of one grid; bake one model alone"));
-        }
-    };
     tables
         .prepare(&camera, &grid, mode.cell_size)
         .map_err(|e| Failure::input(e.to_string()))?;
+    let mut w = vec![0; pixels];
+    if mode.frame == FrameMode::Tones {
+        let mut table = ToneTable::empty();
+        table.shade(grid.layout(), blob.materials().len(), light(towards));
+        let mut buffer = vec![0; tone_words(WIDEST, height)];
+        let inner = Tones::<WIDEST, { 3 * WIDEST + 4 }>::cleared(&mut buffer, width, height)
+            .ok_or_else(|| internal("frame size"))?;
+        let mut target = Recorder::new(inner, &mut w, width);
+        render::draw_seen(mode, &grid, &tables, &table, &mut target);
+        let palette = Palette::new(blob.materials(), BACKGROUND);
+        let tones = target.inner.rows().flatten();
+        words = tones.map(|tone| palette.colour(*tone)).collect();
+        return Ok(drawn(&tables, (width, height), words, w));
+    }
     let shading = Shading::new(
         &mut colours,
         grid.layout(),
@@ -85,7 +104,6 @@ pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outco
     )
     .ok_or_else(|| internal("shading table"))?;
     let mut frame = Frame::new(&mut words, width, height).ok_or_else(|| internal("frame size"))?;
-    let mut w = vec![0; pixels];
     match mode.visibility {
         VisibilityMode::Eye => {
             let mut bits = vec![0; EyeOrder::words(width, height)];
@@ -100,6 +118,15 @@ pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outco
             render::draw_seen(mode, &grid, &tables, &shading, &mut target);
         }
     }
+    Ok(drawn(&tables, (width, height), words, w))
+}
+
+fn drawn(
+    tables: &render::View,
+    (width, height): (u16, u16),
+    words: Vec<u16>,
+    w: Vec<i32>,
+) -> Drawn {
     let unit = (-f64::from(tables.w_bits())).exp2();
     let depth = w
         .into_iter()
@@ -108,12 +135,12 @@ pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outco
             w => (f64::from(w) * unit) as f32,
         })
         .collect();
-    Ok(Drawn {
+    Drawn {
         width,
         height,
         words,
         depth,
-    })
+    }
 }
 
 /// A visibility method that also remembers the w of what it shows.

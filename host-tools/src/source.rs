@@ -85,6 +85,13 @@ impl Model {
         }
     }
 
+    /// Whether it has parts of different colours, and they count.
+    #[must_use]
+    pub fn is_coloured(&self) -> bool {
+        let mesh = self.mesh();
+        !self.white && mesh.colours.windows(2).any(|pair| pair[0] != pair[1])
+    }
+
     /// Triangles in the file, also those without area; `None` for a procedural object.
     #[must_use]
     pub fn triangles(&self) -> Option<u64> {

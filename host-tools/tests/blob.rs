@@ -5,16 +5,17 @@ use std::sync::atomic::AtomicU64;
 
 use glam::DVec3;
 use host_tools::blob_file::BlobFile;
-use host_tools::encode::{Encoding, encode};
+use host_tools::encode::{Encoding, encode_all};
 use host_tools::geometry::triangles::Triangles;
 use host_tools::mesh::Mesh;
 use host_tools::palette::Palette;
 use host_tools::render::render;
-use host_tools::sampling::{Sampling, Separation};
+use host_tools::sampling::{Sampling, Separation, Tree};
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use proptest::prelude::*;
 use rho_grid::blob::{Blob, BlobError, Layout};
 use rho_grid::mode::Mode;
+use rho_grid::q::PixelSize;
 
 /// Four faces in three colours, off centre, so that no two axes are alike.
 fn tetrahedron() -> Mesh {
@@ -34,27 +35,43 @@ fn tetrahedron() -> Mesh {
     }
 }
 
-fn blob(sequence: &str, separation: Separation, layout: Layout) -> Vec<u8> {
-    let mesh = tetrahedron();
+/// A grid for each of the sequences, which blanks part.
+fn blob(sequences: &str, separation: Separation, layout: Layout) -> Vec<u8> {
+    let trees: Vec<Tree> = sequences
+        .split(' ')
+        .map(|sequence| tree(sequence, separation))
+        .collect();
+    encoded(&trees, layout)
+}
+
+fn tree(sequence: &str, separation: Separation) -> Tree {
     let sampling = Sampling {
         sequence: sequence.parse().unwrap(),
         separation,
         memory: 1 << 24,
     };
-    let tree = sampling
-        .sample(&Triangles::new(&mesh), &AtomicU64::new(0))
-        .unwrap();
+    sampling
+        .sample(&Triangles::new(&tetrahedron()), &AtomicU64::new(0))
+        .unwrap()
+}
+
+fn encoded(trees: &[Tree], layout: Layout) -> Vec<u8> {
     let encoding = Encoding {
         layout,
-        palette: Palette::of(mesh.colours.iter().copied()),
+        palette: Palette::of(tetrahedron().colours.into_iter()),
         origin: "generator=test\n".to_owned(),
     };
-    encode(&tree, &encoding)
+    encode_all(trees, &encoding)
 }
 
 /// The blob that most tests damage.
 fn small() -> Vec<u8> {
     blob("2,3", Separation::TwentySix, Layout::MATERIAL)
+}
+
+/// The same at 6 and at 4 cells an axis.
+fn two_grids() -> Vec<u8> {
+    blob("2,3 4", Separation::Six, Layout::OFFSET_THIN)
 }
 
 /// What parsing says; the bytes are copied to an aligned place.
@@ -68,14 +85,23 @@ fn parse(bytes: &[u8]) -> Result<(), BlobError> {
 #[test]
 fn the_bytes_are_those_of_version_1() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
+    let mut blobs = vec![("2-3-leaves-thin", leaves_alone())];
     for (name, sequence, separation, layout) in [
         ("3-3", "3,3", Separation::TwentySix, Layout::MATERIAL),
         ("2-3", "2,3", Separation::TwentySix, Layout::MATERIAL),
         ("4", "4", Separation::TwentySix, Layout::OFFSET),
         ("5-thin", "5", Separation::Six, Layout::OFFSET_THIN),
         ("2-2-thin", "2,2", Separation::Six, Layout::MATERIAL),
+        (
+            "3-and-2-2-thin",
+            "3 2,2",
+            Separation::Six,
+            Layout::OFFSET_THIN,
+        ),
     ] {
-        let bytes = blob(sequence, separation, layout);
+        blobs.push((name, blob(sequence, separation, layout)));
+    }
+    for (name, bytes) in blobs {
         let text: String = bytes
             .chunks(32)
             .map(|row| row.iter().map(|b| format!("{b:02x}")).collect::<String>() + "\n")
@@ -194,8 +220,10 @@ fn assemble(sections: &[Section]) -> Vec<u8> {
 fn two_writers_of_the_specification_agree() {
     for bytes in [
         small(),
+        leaves_alone(),
         blob("5", Separation::Six, Layout::OFFSET_THIN),
         blob("3,3,3,3", Separation::TwentySix, Layout::MATERIAL),
+        two_grids(),
     ] {
         assert!(assemble(&sections(&bytes)) == bytes);
     }
@@ -249,6 +277,109 @@ fn a_missing_section_is_named_but_the_origin_may_be_missing() {
     }
 }
 
+/// The tetrahedron by 2,3 with samples at its leaves alone.
+fn leaves_alone() -> Vec<u8> {
+    let mut tree = tree("2,3", Separation::Six);
+    tree.drop_intermediate_samples();
+    encoded(&[tree], Layout::OFFSET_THIN)
+}
+
+#[test]
+fn without_intermediate_samples_cells_are_opened_however_small() {
+    let all = blob("2,3", Separation::Six, Layout::OFFSET_THIN);
+    let drawn = |bytes: &[u8], cell_size: u16| {
+        let file = BlobFile::from_bytes(bytes, "drawn");
+        let mode = Mode {
+            cell_size: PixelSize::from_num(cell_size),
+            ..Mode::default()
+        };
+        let view = StandardView::FarTurned.into();
+        let drawn = render(&file.blob().unwrap(), &view, STANDARD_LIGHT, mode);
+        drawn.unwrap().words
+    };
+    let leaves = leaves_alone();
+    assert!(drawn(&all, 0) != drawn(&all, 60), "else nothing is shown");
+    assert!(drawn(&leaves, 60) == drawn(&all, 0));
+    assert!(drawn(&leaves, 0) == drawn(&all, 0));
+
+    let file = BlobFile::from_bytes(&all, "all");
+    let (whole, file) = (
+        file.blob().unwrap().grid(0).unwrap(),
+        BlobFile::from_bytes(&leaves, "leaves"),
+    );
+    let grid = file.blob().unwrap().grid(0).unwrap();
+    assert_eq!((grid.first_sampled(), whole.first_sampled()), (2, 0));
+    assert_eq!(grid.nodes(), whole.nodes());
+    assert_eq!(
+        (grid.first_leaf(), grid.leaf_samples()),
+        (0, whole.leaf_samples())
+    );
+    assert_eq!(
+        all.len() - leaves.len(),
+        2 * whole.first_leaf() as usize / 4 * 4
+    );
+}
+
+#[test]
+fn every_grid_of_a_blob_is_there_and_one_more_is_not() {
+    let file = BlobFile::from_bytes(&two_grids(), "two");
+    let blob = file.blob().unwrap();
+    let cells: Vec<u32> = blob
+        .grids()
+        .map(|grid| grid.cells(grid.subdivisions()))
+        .collect();
+    assert_eq!(cells, [6, 4]);
+    assert_eq!(blob.grid_count(), 2);
+    for (index, grid) in (0..).zip(blob.grids()) {
+        let same = blob.grid(index).unwrap();
+        assert_eq!(same.attributes(), grid.attributes());
+    }
+    assert!(blob.grid(2).is_none() && blob.grid(u16::MAX).is_none());
+}
+
+#[test]
+fn a_part_of_a_grid_that_is_not_there_is_refused_and_so_is_a_second_one() {
+    let known = sections(&two_grids());
+    for at in 0..known.len() {
+        let (kind, grid, bytes) = known[at].clone();
+        if kind == 0x8001 {
+            continue;
+        }
+        // Twice, or of a grid beyond those that are there.
+        for owner in [grid, grid + 3, u16::MAX] {
+            let all = [&known[..], &[(kind, owner, bytes.clone())]].concat();
+            let found = parse(&assemble(&all));
+            assert_eq!(found, Err(BlobError::Section { kind }), "{kind} of {owner}");
+        }
+        // Missing from the second grid.
+        if grid == 1 {
+            let mut all = known.clone();
+            all.remove(at);
+            let expected = match kind {
+                // The first of what it leaves behind.
+                1 => BlobError::Section { kind: 2 },
+                kind => BlobError::MissingSection { kind },
+            };
+            assert_eq!(parse(&assemble(&all)), Err(expected));
+        }
+    }
+}
+
+#[test]
+fn the_second_grid_is_checked_as_the_first_is() {
+    for (kind, at, value, expected) in [
+        (1, 8, 7, BlobError::Sequence),
+        (2, 0, 0, BlobError::Mask { level: 0, node: 0 }),
+        (3, 0, 9, BlobError::Children { level: 0, node: 0 }),
+    ] {
+        let mut all = sections(&two_grids());
+        let section = all.iter_mut().find(|s| (s.0, s.1) == (kind, 1)).unwrap();
+        let many = if kind == 2 { section.2.len() } else { 1 };
+        section.2[at..at + many].fill(value);
+        assert_eq!(parse(&assemble(&all)), Err(expected));
+    }
+}
+
 #[test]
 fn contents_that_contradict_each_other_are_refused() {
     let place = |kind: u16| {
@@ -272,6 +403,8 @@ fn contents_that_contradict_each_other_are_refused() {
         (8, 1, BlobError::Sequence),
         (8, 6, BlobError::Sequence),
         (20, 2, BlobError::Section { kind: 4 }),
+        (72, 1, BlobError::Section { kind: 4 }),
+        (72, 3, BlobError::Section { kind: 1 }),
     ] {
         assert_eq!(damaged(1, at, value), Err(expected), "byte {at} = {value}");
     }
@@ -319,9 +452,9 @@ proptest! {
     /// With every CRC right again: what is accepted then can also be drawn.
     #[test]
     fn contents_changed_at_random_are_refused_or_drawn_without_a_panic(
-        changes in prop::collection::vec((0..6_usize, any::<prop::sample::Index>(), any::<u8>()), 1..4),
+        changes in prop::collection::vec((0..10_usize, any::<prop::sample::Index>(), any::<u8>()), 1..4),
     ) {
-        let mut all = sections(&small());
+        let mut all = sections(&two_grids());
         for (section, at, value) in changes {
             let bytes = &mut all[section].2;
             let at = at.index(bytes.len());
@@ -330,7 +463,14 @@ proptest! {
         let file = BlobFile::from_bytes(&assemble(&all), "changed");
         if let Ok(blob) = file.blob() {
             let view = View { width: 24, height: 32, ..StandardView::NearTurned.into() };
-            prop_assert!(render(&blob, &view, STANDARD_LIGHT, Mode::default()).is_ok());
+            for grid in 0..blob.grid_count() {
+                let mode = Mode {
+                    grid,
+                    ..Mode::default()
+                };
+                let drawn = render(&blob, &view, STANDARD_LIGHT, mode);
+                prop_assert!(drawn.is_ok());
+            }
         }
     }
 }

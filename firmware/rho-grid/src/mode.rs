@@ -3,6 +3,8 @@
 use core::fmt;
 use core::str::FromStr;
 
+use crate::blob::{Blob, Grid};
+use crate::camera::Camera;
 use crate::q::PixelSize;
 
 /// How the nearest sample of a pixel is found.
@@ -36,6 +38,82 @@ pub enum ReciprocalMode {
     Table,
 }
 
+/// What a frame is kept in while it is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameMode {
+    /// RGB565 words.
+    Words,
+    /// A byte a pixel, an index of 128 tones; for eye order only.
+    Tones,
+}
+
+/// A tuple of choices by name: how fine a picture, and all that draws it fastest.
+///
+/// A preset chooses among the grids of a blob. The finer a cell on the screen, the nearer the
+/// silhouette; how much that shows depends on the whole object's size there. With cells in
+/// proportion to the square root of that size, quality falls slowly as the object recedes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// The fewest instructions for a picture without holes.
+    Fast,
+    /// Between the two.
+    Balanced,
+    /// A cell is about a pixel.
+    Fine,
+}
+
+impl Preset {
+    /// The number of cells an axis over the square root of the cube's side in pixels, times 10.
+    const fn fineness(self) -> u64 {
+        match self {
+            Self::Fast => 62,
+            Self::Balanced => 82,
+            Self::Fine => 123,
+        }
+    }
+
+    /// How this preset draws `blob` as `camera` sees it.
+    #[must_use]
+    pub fn mode(self, blob: &Blob<'_>, camera: &Camera) -> Mode {
+        let cells = self.cells(camera);
+        let fitting = |grid: &Grid<'_>| {
+            let here = grid.cells(grid.subdivisions());
+            // The coarsest that is fine enough, else the finest.
+            (here < cells, here.abs_diff(cells))
+        };
+        let (index, grid) = blob
+            .grids()
+            .enumerate()
+            .min_by_key(|(_, grid)| fitting(grid))
+            .unzip();
+        let discs = grid.is_none_or(|grid| grid.layout().offset > 0);
+        Mode {
+            visibility: VisibilityMode::Eye,
+            footprint: if discs {
+                FootprintMode::Disc
+            } else {
+                FootprintMode::Box
+            },
+            reciprocal: ReciprocalMode::Divide,
+            frame: FrameMode::Tones,
+            grid: index.unwrap_or(0) as u16,
+            ..Mode::default()
+        }
+    }
+
+    /// Cells an axis, rounded up, that a cube at the origin should have.
+    fn cells(self, camera: &Camera) -> u32 {
+        let [_, _, z] = camera.translation;
+        // Q20, at least half a cube's side away.
+        let distance = u64::from(z.to_bits().unsigned_abs()).max(1 << 19);
+        // Q16 pixels; a focal length has 32 bits.
+        let side = (u64::from(camera.focal.to_bits()) << 24) / distance;
+        // Q8.
+        let root = side.isqrt();
+        (root * self.fineness()).div_ceil(2560) as u32
+    }
+}
+
 /// A renderer and its one threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mode {
@@ -45,6 +123,10 @@ pub struct Mode {
     pub footprint: FootprintMode,
     /// How 1/w is found.
     pub reciprocal: ReciprocalMode,
+    /// What the frame is kept in.
+    pub frame: FrameMode,
+    /// Which of the blob's grids is drawn.
+    pub grid: u16,
     /// A cell whose projection is at most this large is drawn from its own sample, its
     /// subcells are not visited.
     pub cell_size: PixelSize,
@@ -56,6 +138,8 @@ impl Default for Mode {
             visibility: VisibilityMode::Eye,
             footprint: FootprintMode::Box,
             reciprocal: ReciprocalMode::Divide,
+            frame: FrameMode::Words,
+            grid: 0,
             cell_size: PixelSize::from_bits(128),
         }
     }
@@ -118,10 +202,18 @@ names!(
     ReciprocalMode, "divide, table",
     ReciprocalMode::Divide => "divide", ReciprocalMode::Table => "table"
 );
+names!(
+    Preset, "fast, balanced, fine",
+    Preset::Fast => "fast", Preset::Balanced => "balanced", Preset::Fine => "fine"
+);
+names!(
+    FrameMode, "words, tones", FrameMode::Words => "words", FrameMode::Tones => "tones"
+);
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::q::{Focal, Length, Rotation};
 
     #[test]
     fn every_name_reads_back_as_itself() {
@@ -134,6 +226,29 @@ mod tests {
         for v in ReciprocalMode::ALL {
             assert_eq!(v.name().parse(), Ok(*v));
         }
+        for v in Preset::ALL {
+            assert_eq!(v.name().parse(), Ok(*v));
+        }
+        for v in FrameMode::ALL {
+            assert_eq!(v.name().parse(), Ok(*v));
+        }
+    }
+
+    #[test]
+    fn an_object_four_times_as_far_wants_half_the_cells() {
+        let camera = |distance: f64| Camera {
+            rotation: [[Rotation::ZERO; 3]; 3],
+            translation: [Length::ZERO, Length::ZERO, Length::from_num(-distance)],
+            focal: Focal::from_num(386.27),
+            width: 240,
+            height: 320,
+        };
+        let cells = |preset: Preset| [2.2883, 9.1532].map(|d| preset.cells(&camera(d)));
+        assert_eq!(cells(Preset::Fast), [81, 41]);
+        assert_eq!(cells(Preset::Balanced), [107, 54]);
+        assert_eq!(cells(Preset::Fine), [160, 80]);
+        // At and in the cube, and at any zoom, there is an answer.
+        assert_eq!(Preset::Fine.cells(&camera(0.0)), Preset::Fine.cells(&camera(0.5)));
     }
 
     #[test]

@@ -7,6 +7,15 @@ use crate::blob::{Layout, Material};
 use crate::normal::{BITS, COUNT, FACES, OCTANT};
 use crate::q::Unit;
 
+/// What a sample looks like, in the unit of the frame it is drawn into.
+pub trait Shade {
+    /// The colour of a sample with this attribute word of 16 bits.
+    fn colour(&self, word: u32) -> u16;
+
+    /// The colour of a sample with the normal `index` (13 bits) and the first material.
+    fn of_normal(&self, index: u32) -> u16;
+}
+
 /// Colours of every normal under every material, RGB565.
 #[derive(Clone, Copy, Debug)]
 pub struct Shading<'a> {
@@ -60,12 +69,133 @@ impl<'a> Shading<'a> {
         })
     }
 
-    /// The colour of a sample with this attribute word of 16 bits, RGB565.
+}
+
+impl Shade for Shading<'_> {
+    /// RGB565.
     #[inline(always)]
-    #[must_use]
-    pub fn colour(&self, word: u32) -> u16 {
+    fn colour(&self, word: u32) -> u16 {
         let index = (word & self.material) << BITS | word >> self.under_normal;
         self.colours.get(index as usize).copied().unwrap_or(0)
+    }
+
+    #[inline(always)]
+    fn of_normal(&self, index: u32) -> u16 {
+        self.colours.get(index as usize).copied().unwrap_or(0)
+    }
+}
+
+/// Tones there are: seven bits.
+const TONES: usize = 128;
+/// Bits of a normal that its tone does not tell.
+const FINER: u32 = 2;
+/// Normals that are shaded: the faces one refinement above those of the attribute words.
+const SHADED: usize = COUNT >> FINER;
+
+/// How bright each normal is, for frames of a byte a pixel.
+///
+/// The palette is divided evenly among the materials: with one there are 128 steps from dark to
+/// bright, twice as many as a channel of RGB565 has; with eight there are 16.
+#[derive(Clone, Debug)]
+pub struct ToneTable {
+    /// Doubled, plus one ([`Tones`](crate::render::Tones)); of the first material.
+    tones: [u8; SHADED],
+    /// From a material's tones to the next one's.
+    per_material: u32,
+    under_normal: u32,
+    material: u32,
+}
+
+impl ToneTable {
+    /// Not yet filled: everything is open.
+    #[must_use]
+    pub const fn empty() -> Self {
+        Self {
+            tones: [0; SHADED],
+            per_material: 0,
+            under_normal: 0,
+            material: 0,
+        }
+    }
+
+    /// Shades all normals with a light towards `towards`, a unit vector in the grid's own axes.
+    pub fn shade(&mut self, layout: Layout, materials: usize, towards: [Unit; 3]) {
+        let steps = steps(materials) as i32;
+        self.per_material = 2 * steps as u32;
+        self.under_normal = u32::from(layout.offset + layout.material) & 15;
+        self.material = layout.material_of(u32::MAX);
+        let [lx, ly, lz] = towards.map(|c| i32::from(c.to_bits()));
+        for (face, [x, y, z]) in FACES.iter().step_by(1 << FINER).enumerate() {
+            let (x, y, z) = (i32::from(*x) * lx, i32::from(*y) * ly, i32::from(*z) * lz);
+            let octants = self.tones.iter_mut().skip(face).step_by(OCTANT >> FINER);
+            for (octant, tone) in octants.enumerate() {
+                let sign = |bit: usize, v: i32| if octant & bit == 0 { v } else { -v };
+                // Q28, cut to Q14 and to 1.
+                let dot = sign(4, x) + sign(2, y) + sign(1, z);
+                let lit = (dot.max(0) >> 14).min(1 << 14);
+                let step = (lit * (steps - 1) + (1 << 13)) >> 14;
+                *tone = (2 * step + 1) as u8;
+            }
+        }
+    }
+}
+
+impl Shade for ToneTable {
+    /// A tone.
+    #[inline(always)]
+    fn colour(&self, word: u32) -> u16 {
+        let material = (word & self.material) * self.per_material;
+        self.of_normal(word >> self.under_normal) + material as u16
+    }
+
+    #[inline(always)]
+    fn of_normal(&self, index: u32) -> u16 {
+        let tone = self.tones.get((index >> FINER) as usize % SHADED);
+        tone.copied().unwrap_or(0).into()
+    }
+}
+
+/// Steps from dark to bright of each of `materials`.
+const fn steps(materials: usize) -> usize {
+    match materials {
+        0 | 1 => TONES,
+        _ => TONES / materials,
+    }
+}
+
+/// The colours of the tones, RGB565.
+#[derive(Clone, Debug)]
+pub struct Palette {
+    colours: [u16; TONES],
+    background: u16,
+}
+
+impl Palette {
+    /// For at most eight materials.
+    #[must_use]
+    pub fn new(materials: impl ExactSizeIterator<Item = Material>, background: u16) -> Self {
+        let steps = steps(materials.len());
+        let mut colours = [background; TONES];
+        for (material, colours) in materials.zip(colours.chunks_mut(steps)) {
+            for (step, colour) in colours.iter_mut().enumerate() {
+                let lit = (step << 15) / (steps - 1);
+                *colour = shade(&material, lit as u32);
+            }
+        }
+        Self {
+            colours,
+            background,
+        }
+    }
+
+    /// The colour of a pixel, RGB565.
+    #[must_use]
+    pub fn colour(&self, tone: u8) -> u16 {
+        if tone & 1 == 0 {
+            return self.background;
+        }
+        let colour = self.colours.get(usize::from(tone >> 1)).copied();
+        colour.unwrap_or(self.background)
     }
 }
 

@@ -3,10 +3,13 @@
 use core::fmt;
 
 use rho_grid::blob::format::MAX_MATERIALS;
-use rho_grid::blob::{Blob, BlobError, Grid};
+use rho_grid::blob::{Blob, BlobError};
 use rho_grid::frame::Frame;
-use rho_grid::render::{Buffers, EyeOrder, View, ViewError, draw_mode};
-use rho_grid::shading::Shading;
+use rho_grid::mode::FrameMode;
+use rho_grid::render::{
+    Buffers, EyeOrder, Tones, View, ViewError, draw_mode, draw_seen, tone_words,
+};
+use rho_grid::shading::{Palette, Shading, ToneTable};
 
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::request::Scene;
@@ -22,7 +25,12 @@ pub struct Memory {
     colours: [u16; Shading::words(MAX_MATERIALS)],
     coverage: [u32; EyeOrder::words(WIDTH, HEIGHT)],
     depth: [u16; PIXELS],
+    tone_table: ToneTable,
+    tones: [u32; tone_words(WIDTH as usize, HEIGHT)],
 }
+
+/// A frame of a byte a pixel, as wide as the panel.
+type PanelTones<'a> = Tones<'a, { WIDTH as usize }, { 3 * WIDTH as usize + 4 }>;
 
 impl Memory {
     /// All zeros, so that a board's static costs no flash.
@@ -33,6 +41,8 @@ impl Memory {
             colours: [0; Shading::words(MAX_MATERIALS)],
             coverage: [0; EyeOrder::words(WIDTH, HEIGHT)],
             depth: [0; PIXELS],
+            tone_table: ToneTable::empty(),
+            tones: [0; tone_words(WIDTH as usize, HEIGHT)],
         }
     }
 }
@@ -48,8 +58,8 @@ impl Default for Memory {
 pub enum ModelError {
     /// The blob is refused.
     Blob(BlobError),
-    /// It has several grids; this version draws one.
-    SeveralGrids,
+    /// It has no grid of this number.
+    Grid(u16),
     /// The camera is none.
     View(ViewError),
     /// The frame is larger than the board's memory for it.
@@ -60,7 +70,7 @@ impl fmt::Display for ModelError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Blob(error) => error.fmt(f),
-            Self::SeveralGrids => f.write_str("the blob has several grids: this version draws one"),
+            Self::Grid(index) => write!(f, "the blob has no grid {index}"),
             Self::View(error) => error.fmt(f),
             Self::TooLarge => f.write_str("the frame is larger than the memory for it"),
         }
@@ -73,7 +83,6 @@ impl core::error::Error for ModelError {}
 #[derive(Clone, Copy, Debug)]
 pub struct Model<'a> {
     blob: Blob<'a>,
-    grid: Grid<'a>,
 }
 
 impl<'a> Model<'a> {
@@ -83,16 +92,13 @@ impl<'a> Model<'a> {
     /// When there is none, or it is refused.
     pub fn check(flash: &'a [u8]) -> Result<Self, ModelError> {
         let blob = Blob::parse(flash).map_err(ModelError::Blob)?;
-        match (blob.grid_count(), blob.grid(0)) {
-            (1, Some(grid)) => Ok(Self { blob, grid }),
-            _ => Err(ModelError::SeveralGrids),
-        }
+        Ok(Self { blob })
     }
 
     /// Draws the scene into the first `width * height` words.
     ///
     /// # Errors
-    /// When the camera is none or its frame too large.
+    /// When there is no such grid, the camera is none or its frame too large.
     pub fn draw<C: Counter>(
         &self,
         scene: &Scene,
@@ -105,16 +111,39 @@ impl<'a> Model<'a> {
             colours,
             coverage,
             depth,
+            tone_table,
+            tones,
         } = memory;
         let Scene {
             camera,
             light,
             mode,
         } = scene;
-        let (blob, grid) = (&self.blob, &self.grid);
+        let blob = &self.blob;
+        let grid = &blob.grid(mode.grid).ok_or(ModelError::Grid(mode.grid))?;
         watch
             .time(Phase::Setup, || view.prepare(camera, grid, mode.cell_size))
             .map_err(ModelError::View)?;
+        if mode.frame == FrameMode::Tones {
+            watch.time(Phase::ShadingTables, || {
+                tone_table.shade(grid.layout(), blob.materials().len(), *light);
+            });
+            let mut frame = watch
+                .time(Phase::Clear, || {
+                    PanelTones::cleared(tones, camera.width, camera.height)
+                })
+                .ok_or(ModelError::TooLarge)?;
+            watch.time(Phase::Draw, || {
+                draw_seen(*mode, grid, view, tone_table, &mut frame);
+            });
+            watch.time(Phase::Send, || {
+                let palette = Palette::new(blob.materials(), BACKGROUND);
+                for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
+                    *word = palette.colour(*tone);
+                }
+            });
+            return Ok(());
+        }
         let shading = watch
             .time(Phase::ShadingTables, || {
                 Shading::new(colours, grid.layout(), blob.materials(), *light)

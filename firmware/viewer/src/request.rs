@@ -116,10 +116,12 @@ enum Key {
     Visibility,
     Footprint,
     Reciprocal,
+    Frame,
+    Grid,
     CellSize,
 }
 
-const KEYS: [&str; 10] = [
+const KEYS: [&str; 12] = [
     "picture",
     "rotation",
     "translation",
@@ -129,6 +131,8 @@ const KEYS: [&str; 10] = [
     "visibility",
     "footprint",
     "reciprocal",
+    "frame",
+    "grid",
     "cell_size",
 ];
 
@@ -314,6 +318,11 @@ impl Scene {
                 visibility: parts.choice(Key::Visibility)?,
                 footprint: parts.choice(Key::Footprint)?,
                 reciprocal: parts.choice(Key::Reciprocal)?,
+                frame: parts.choice(Key::Frame)?,
+                grid: {
+                    let [index] = parts.numbers(Key::Grid, 0, u16::MAX.into())?;
+                    narrow!(index, u16, "grid")?
+                },
                 cell_size: {
                     let [bits] = parts.numbers(Key::CellSize, 0, u16::MAX.into())?;
                     PixelSize::from_bits(narrow!(bits, u16, "cell_size")?)
@@ -352,7 +361,7 @@ impl fmt::Display for Request {
         write!(
             f,
             " rotation={} translation={} focal={} size={};{} light={} visibility={} footprint={} \
-             reciprocal={} cell_size={}",
+             reciprocal={} frame={} grid={} cell_size={}",
             List(
                 camera
                     .rotation
@@ -367,6 +376,8 @@ impl fmt::Display for Request {
             mode.visibility,
             mode.footprint,
             mode.reciprocal,
+            mode.frame,
+            mode.grid,
             mode.cell_size.to_bits(),
         )
     }
@@ -376,7 +387,7 @@ impl fmt::Display for Request {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use rho_grid::mode::{FootprintMode, ReciprocalMode, VisibilityMode};
+    use rho_grid::mode::{FootprintMode, FrameMode, ReciprocalMode, VisibilityMode};
     use std::string::{String as Text, ToString};
 
     fn scene() -> impl Strategy<Value = Scene> {
@@ -391,11 +402,13 @@ mod tests {
                 proptest::sample::select(VisibilityMode::ALL),
                 proptest::sample::select(FootprintMode::ALL),
                 proptest::sample::select(ReciprocalMode::ALL),
+                proptest::sample::select(FrameMode::ALL),
+                any::<u16>(),
                 any::<u16>(),
             ),
         )
             .prop_map(
-                |(r, t, focal, (width, height), light, (v, f, d, cell))| Scene {
+                |(r, t, focal, (width, height), light, (v, f, d, frame, grid, cell))| Scene {
                     camera: Camera {
                         rotation: [[r[0], r[1], r[2]], [r[3], r[4], r[5]], [r[6], r[7], r[8]]]
                             .map(|row| row.map(Rotation::from_bits)),
@@ -409,6 +422,8 @@ mod tests {
                         visibility: v,
                         footprint: f,
                         reciprocal: d,
+                        frame,
+                        grid,
                         cell_size: PixelSize::from_bits(cell),
                     },
                 },

@@ -10,9 +10,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Parser;
+use rho_grid::mode::Mode;
 use rho_viewer::count::{Phase, Phases};
 use rho_viewer::request::{Request, Scene};
 
+use crate::blob_file::BlobFile;
 use crate::cli::Rho;
 use crate::cli::mode::ModeArgs;
 use crate::compare::{Comparison, compare};
@@ -72,7 +74,8 @@ pub struct Ready {
     /// The way.
     pub row: Row,
     firmware: Firmware,
-    model: Vec<u8>,
+    /// A blob, or what a peer takes.
+    model: BlobFile,
     flags: ModeArgs,
 }
 
@@ -140,7 +143,7 @@ impl Ready {
         Ok(Self {
             row,
             firmware,
-            model,
+            model: BlobFile::from_bytes(&model, row.name),
             flags: flags.mode,
         })
     }
@@ -148,7 +151,7 @@ impl Ready {
     /// Bytes of the model in flash.
     #[must_use]
     pub fn model_bytes(&self) -> usize {
-        self.model.len()
+        self.model.bytes().len()
     }
 
     /// Draws a view.
@@ -156,14 +159,20 @@ impl Ready {
     /// # Errors
     /// Those of [`device::answer`], and what the device refuses.
     pub fn draw(&self, view: &View, plugin: Option<&Path>) -> Outcome<Run> {
+        let camera = view.camera()?;
+        let mode = match self.row.way {
+            Way::Renderer { .. } => self.flags.mode(&self.model.blob()?, &camera),
+            // Peers have one.
+            Way::Points(_) | Way::Triangles(..) => Mode::default(),
+        };
         let request = Request::Model(Scene {
-            camera: view.camera()?,
+            camera,
             light: render::light(STANDARD_LIGHT),
-            mode: self.flags.mode(),
+            mode,
         });
         device::answer(&Job {
             firmware: &self.firmware,
-            model: Some(&self.model),
+            model: Some(self.model.bytes()),
             request: &request.line(),
             timeout: TIMEOUT,
             plugin,

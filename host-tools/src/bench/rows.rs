@@ -56,34 +56,25 @@ const fn peer(name: &'static str, way: Way) -> Row {
     Row { name, group, way }
 }
 
+/// One grid of 243 cells with every intermediate sample, as the paper's.
+const GRID_243: &str = "--rho 3 --subdivisions 5";
+
 /// All rows, in the order of the table.
 pub const ROWS: [Row; 9] = [
-    ours(
-        "discs, 81 cells",
-        "--rho 3,3,3,3 --thin --layout offset",
-        "--footprint disc",
-    ),
-    ours(
-        "discs, 108 cells",
-        "--rho 2,3,2,3,3 --thin --layout offset",
-        "--footprint disc",
-    ),
-    ours(
-        "discs, 162 cells",
-        "--rho 2,3,3,3,3 --thin --layout offset",
-        "--footprint disc",
-    ),
-    ours("boxes, 243 cells", "", ""),
+    ours("fast", "", "--preset fast"),
+    ours("balanced", "", "--preset balanced"),
+    ours("fine", "", "--preset fine"),
+    ours("boxes, 243 cells", GRID_243, "--footprint box"),
     // Section 5.1: every leaf, a pixel each, against a depth buffer.
     paper(
         "paper: points",
-        "",
+        GRID_243,
         "--visibility z --footprint point --cell-size 0",
     ),
     // Section 5.2: a cell below a pixel is drawn from its own sample, a splat as large as it.
     paper(
         "paper: multi-level splats",
-        "",
+        GRID_243,
         "--visibility z --footprint splat --cell-size 1",
     ),
     peer("flat points, 2x2 dots", Way::Points("flat-points")),
@@ -96,6 +87,20 @@ pub const ROWS: [Row; 9] = [
         Way::Triangles("triangles", usize::MAX),
     ),
 ];
+
+impl Row {
+    /// The same with a model baked otherwise; a peer's model is not baked.
+    #[must_use]
+    pub fn baked(&self, bake: &'static str) -> Self {
+        match self.way {
+            Way::Renderer { run, .. } => Self {
+                way: Way::Renderer { bake, run },
+                ..*self
+            },
+            Way::Points(_) | Way::Triangles(..) => *self,
+        }
+    }
+}
 
 impl Way {
     /// The program that draws on a machine.

@@ -11,7 +11,10 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use crate::bake::{self, BakeOptions, Baked, GridChoice, LayoutChoice, Progress, Report};
+use crate::bake::{
+    self, BakeOptions, Baked, GridChoice, LayoutChoice, Progress, Report, SampleChoice,
+};
+use crate::encode::MAX_GRIDS;
 use crate::failure::{Failure, Outcome};
 use crate::replace::{check_replaceable, replace};
 use crate::sampling::{Separation, Sequence};
@@ -22,12 +25,17 @@ const EXAMPLES: &str = "\
 Examples:
   rho bake bunny.ply.gz -o bunny.rho
   rho bake teapot -o teapot.rho --rho 2,3,3,3,3 --thin --layout offset
+  rho bake bunny.ply.gz -o bunny.rho --rho 3,3,3,3 --rho 2,3,3,3,3 --thin --layout offset
   rho bake scan.obj -o scan.rho --flash 512K --up z
   gunzip -c bunny.ply.gz | rho bake - -o - --subdivisions 4 > bunny.rho
 
+Without any flag of the grid, the blob holds what the presets draw best: four grids of 54 to 162
+cells an axis, thin, with offsets, without intermediate samples; or, for a model in several
+colours, one of 243 cells with materials. --flash alone takes as many of them as fit.
 --rho N alone is the subdivision of every level, and --subdivisions says how many there are.
-With --flash and no --subdivisions the finest grid is chosen that fits: a power of --rho, else
-a 2, 4, 5, 2,4 or 2,5 above 3s. The same model and flags give the same bytes on any machine.";
+With --flash, --thin or --layout, and no --subdivisions, the finest grid is chosen that fits: a power of --rho, else
+a 2, 4, 5, 2,4 or 2,5 above 3s. Of several grids the finest is left out, with a warning, until
+the others fit. They share the materials, and are numbered as they are given. The same model and flags give the same bytes on any machine.";
 
 /// Bake a model into a blob for the microcontroller's flash
 #[derive(Args, Clone, Debug)]
@@ -40,21 +48,25 @@ pub struct Bake {
     /// The blob to write; - for standard output
     #[arg(short, long, value_name = "OUT.rho")]
     pub output: PathBuf,
-    /// Subdivision of all levels, or of each from the root down [default: 3]
+    /// Subdivision of all levels, or of each from the root down [default: 3, when another flag is given]; given several
+    /// times, the blob holds a grid for each
     #[arg(long, value_name = "N|N,N,...", help_heading = "Grid")]
-    pub rho: Option<Rho>,
+    pub rho: Vec<Rho>,
     /// How often the cube is subdivided [default: 5]
     #[arg(long, value_name = "N", help_heading = "Grid")]
     pub subdivisions: Option<u8>,
     /// Leaves are only the cells whose central cross the surface meets: some 40 % fewer
     #[arg(long, help_heading = "Grid")]
     pub thin: bool,
-    /// The finest grid whose blob fits into so many bytes; K and M are 1024
+    /// The finest grid, or as many of those given, as fit into so many bytes; K and M are 1024
     #[arg(long, value_name = "SIZE", value_parser = source::bytes, help_heading = "Grid")]
     pub flash: Option<u64>,
-    /// What is kept of each sample
-    #[arg(long, value_enum, default_value_t = LayoutChoice::Material, help_heading = "Grid")]
-    pub layout: LayoutChoice,
+    /// What is kept of each sample [default: material]
+    #[arg(long, value_enum, help_heading = "Grid")]
+    pub layout: Option<LayoutChoice>,
+    /// Which nodes have samples [default: all]; without intermediate ones --cell-size has no effect
+    #[arg(long, value_enum, help_heading = "Grid")]
+    pub samples: Option<SampleChoice>,
     /// What was made as one JSON object on standard output
     #[arg(long)]
     pub json: bool,
@@ -105,7 +117,8 @@ impl Bake {
             } else {
                 Separation::TwentySix
             },
-            layout: self.layout,
+            layout: self.layout.unwrap_or_default(),
+            samples: self.samples.unwrap_or_default(),
             load: self.model_args.options(),
             models: self.model_args.models.clone(),
         };
@@ -159,8 +172,53 @@ impl Bake {
     }
 
     fn grid(&self) -> Outcome<GridChoice> {
-        let rho = match &self.rho {
-            Some(Rho::Each(sequence)) => {
+        let said = self.thin || self.layout.is_some() || self.samples.is_some();
+        if !said && self.rho.is_empty() && self.subdivisions.is_none() {
+            return Ok(GridChoice::Standard(self.flash));
+        }
+        if let (None, Some(flash), [] | [Rho::Every(_)]) =
+            (self.subdivisions, self.flash, &self.rho[..])
+        {
+            let rho = self.rho.first().and_then(|rho| match rho {
+                Rho::Every(rho) => Some(*rho),
+                Rho::Each(_) => None,
+            });
+            return Ok(GridChoice::Finest(rho, flash));
+        }
+        let one = [Rho::Every(3)];
+        let given = if self.rho.is_empty() {
+            &one[..]
+        } else {
+            &self.rho
+        };
+        let mut sequences = Vec::new();
+        for rho in given {
+            let sequence = self.sequence(rho)?;
+            if sequences.contains(&sequence) {
+                return Err(Failure::input(format!("--rho {sequence} is given twice"))
+                    .help("leave one of them away"));
+            }
+            sequences.push(sequence);
+        }
+        if sequences.len() > MAX_GRIDS {
+            return Err(Failure::input(format!(
+                "{} grids are asked for, and a blob holds at most {MAX_GRIDS}",
+                sequences.len()
+            ))
+            .help("give --rho less often"));
+        }
+        Ok(match self.flash {
+            Some(flash) => GridChoice::Fits(sequences, flash),
+            None => GridChoice::Fixed(sequences),
+        })
+    }
+
+    fn sequence(&self, rho: &Rho) -> Outcome<Sequence> {
+        match rho {
+            Rho::Every(rho) => {
+                Sequence::new(&vec![*rho; usize::from(self.subdivisions.unwrap_or(5))])
+            }
+            Rho::Each(sequence) => {
                 let levels = sequence.as_slice().len();
                 if let Some(n) = self.subdivisions.filter(|n| usize::from(*n) != levels) {
                     return Err(Failure::input(format!(
@@ -168,23 +226,8 @@ impl Bake {
                     ))
                     .help("leave --subdivisions away, or give --rho one number"));
                 }
-                return Ok(self.fixed(sequence.clone()));
+                Ok(sequence.clone())
             }
-            Some(Rho::Every(rho)) => Some(*rho),
-            None => None,
-        };
-        if let (None, Some(flash)) = (self.subdivisions, self.flash) {
-            return Ok(GridChoice::Finest(rho, flash));
-        }
-        let levels = usize::from(self.subdivisions.unwrap_or(5));
-        let sequence = Sequence::new(&vec![rho.unwrap_or(3); levels])?;
-        Ok(self.fixed(sequence))
-    }
-
-    fn fixed(&self, sequence: Sequence) -> GridChoice {
-        match self.flash {
-            Some(flash) => GridChoice::Fits(sequence, flash),
-            None => GridChoice::Fixed(sequence),
         }
     }
 
@@ -233,13 +276,14 @@ impl Bake {
                 grid.separation,
                 grid.layout
             );
+            eprintln!(
+                "  samples {} leaves, {} nodes, alpha {:.3}, {} bytes",
+                thousands(grid.leaf_samples),
+                thousands(grid.nodes),
+                grid.alpha,
+                thousands(grid.bytes)
+            );
         }
-        eprintln!(
-            "  samples {} leaves, {} nodes, alpha {:.3}",
-            thousands(contents.leaf_samples),
-            thousands(contents.nodes),
-            contents.grids.first().map_or(0.0, |grid| grid.alpha)
-        );
         if self.verbose {
             for grid in &contents.grids {
                 for (cells, nodes) in grid.cells.iter().zip(&grid.nodes_by_level) {
@@ -277,7 +321,7 @@ impl Bake {
             s.write,
             match report.bakes {
                 1 => String::new(),
-                n => format!(" ({n} grids tried)"),
+                n => format!(" ({n} blobs tried)"),
             }
         );
         eprintln!("  memory  {} at the peak", size(report.peak_memory_bytes));
@@ -297,10 +341,14 @@ mod tests {
 
     fn grid(flags: &[&str]) -> Outcome<String> {
         let all = [&["bake", "m.ply", "-o", "m.rho"], flags].concat();
+        let text = |sequences: &[Sequence]| {
+            let all: Vec<String> = sequences.iter().map(Sequence::to_string).collect();
+            all.join(" and ")
+        };
         let flags = Flags::try_parse_from(all).map_err(|e| Failure::input(e.to_string()))?;
         Ok(match flags.bake.grid()? {
-            GridChoice::Fixed(sequence) => sequence.to_string(),
-            GridChoice::Fits(sequence, bytes) => format!("{sequence} in {bytes}"),
+            GridChoice::Fixed(sequences) => text(&sequences),
+            GridChoice::Fits(sequences, bytes) => format!("{} in {bytes}", text(&sequences)),
             GridChoice::Finest(Some(rho), bytes) => format!("powers of {rho} in {bytes}"),
             GridChoice::Finest(None, bytes) => format!("any in {bytes}"),
         })
@@ -314,6 +362,15 @@ mod tests {
             (&["--rho", "2"], "2,2,2,2,2"),
             (&["--rho", "4", "--subdivisions", "6"], "4,4,4,4,4,4"),
             (&["--rho", "2,3"], "2,3"),
+            (&["--rho", "2,3", "--rho", "4,3"], "2,3 and 4,3"),
+            (
+                &["--rho", "2", "--rho", "3", "--subdivisions", "2"],
+                "2,2 and 3,3",
+            ),
+            (
+                &["--flash", "1K", "--rho", "3,3", "--rho", "4"],
+                "3,3 and 4,4,4,4,4 in 1024",
+            ),
             (&["--rho", "2,3", "--subdivisions", "2"], "2,3"),
             (&["--flash", "1K"], "any in 1024"),
             (&["--flash", "1K", "--rho", "3"], "powers of 3 in 1024"),
@@ -329,6 +386,8 @@ mod tests {
         for flags in [
             &["--rho", "2,3", "--subdivisions", "3"][..],
             &["--rho", "6"],
+            &["--rho", "3,3", "--rho", "3,3"],
+            &["--rho", "3,3", "--rho", "3", "--subdivisions", "2"],
             &["--rho", "1"],
             &["--rho", "x"],
             &["--subdivisions", "0"],

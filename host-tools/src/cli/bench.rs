@@ -44,7 +44,7 @@ light) and send (the panel's).
 ";
 
 /// Flags of the growth table's blobs.
-const LIMIT: &str = "--flash 512K --thin --layout offset";
+const LIMIT: &str = "--flash 512K";
 
 /// The growth table's models.
 const MODELS: [(&str, Up); 4] = [
@@ -185,36 +185,27 @@ impl BenchArgs {
     /// Our rows with other models and from other distances, and the models' triangles.
     fn growth(&self) -> Outcome<Vec<(u64, Figure)>> {
         let mut all = Vec::new();
-        let first = ROWS.into_iter().find(|row| row.group == Group::Ours);
-        let Some((first, Way::Renderer { bake, run })) = first.map(|row| (row, row.way)) else {
-            return Ok(all);
-        };
-        let row = |name, bake| Row {
-            name,
-            way: Way::Renderer { bake, run },
-            ..first
-        };
+        // The presets: rows of the blob that a bake makes by itself.
+        let presets: Vec<Row> = ROWS
+            .into_iter()
+            .filter(|row| matches!(row.way, Way::Renderer { bake: "", .. }))
+            .collect();
+        let limited: Vec<Row> = presets.iter().map(|row| row.baked(LIMIT)).collect();
         for (name, up) in MODELS {
             let subject = Subject::scan(name, up)?;
             let triangles = subject.mesh.triangles.len() as u64;
-            let mut rows = vec![row("the finest in 512 KiB", LIMIT)];
-            let mut views = vec![(format!("{name}, near"), StandardView::Near.into())];
-            let mut add = |results: Vec<Figure>| {
-                all.extend(results.into_iter().map(|result| (triangles, result)));
+            let mut add = |figures: Vec<Figure>| {
+                all.extend(figures.into_iter().map(|figure| (triangles, figure)));
             };
-            add(self.measure(&rows, Machine::M3, &subject, &views, None)?);
+            let near = View::from(StandardView::Near);
+            let views = [(format!("{name}, near"), near)];
+            add(self.measure(&limited, Machine::M3, &subject, &views, None)?);
             if name == "bunny" {
-                rows = vec![row(first.name, bake)];
-                views = DISTANCES
-                    .map(|distance| {
-                        let near = View::from(StandardView::Near);
-                        (
-                            format!("{name}, distance {distance}"),
-                            View { distance, ..near },
-                        )
-                    })
-                    .into();
-                add(self.measure(&rows, Machine::M3, &subject, &views, None)?);
+                let views = DISTANCES.map(|distance| {
+                    let view = View { distance, ..near };
+                    (format!("{name}, distance {distance}"), view)
+                });
+                add(self.measure(&presets, Machine::M3, &subject, &views, None)?);
             }
         }
         Ok(all)

@@ -53,15 +53,21 @@ fn print(contents: &Contents) {
     }
     for (index, grid) in contents.grids.iter().enumerate() {
         println!(
-            "grid {index:<7} {}, {}-separating, {}, alpha {:.3}",
+            "grid {index:<7} {}, {}-separating, {}, alpha {:.3}, {} bytes",
             grid.sequence(),
             grid.separation,
             grid.layout,
-            grid.alpha
+            grid.alpha,
+            thousands(grid.bytes)
         );
         println!("{:>18}  {:>12}", "cells an axis", "nodes");
-        for (cells, nodes) in grid.cells.iter().zip(&grid.nodes_by_level) {
-            println!("{cells:>18}  {:>12}", thousands(*nodes));
+        for (level, (cells, nodes)) in grid.cells.iter().zip(&grid.nodes_by_level).enumerate() {
+            let bare = if level < grid.first_sampled {
+                "  without samples"
+            } else {
+                ""
+            };
+            println!("{cells:>18}  {:>12}{bare}", thousands(*nodes));
         }
     }
     println!("nodes        {}", thousands(contents.nodes));

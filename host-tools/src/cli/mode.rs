@@ -3,22 +3,35 @@
 use clap::Args;
 use fixed::traits::ToFixed;
 use rho_grid::blob::{Blob, Grid};
-use rho_grid::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
+use rho_grid::camera::Camera;
+use rho_grid::mode::{
+    FootprintMode, FrameMode, Mode, Preset, ReciprocalMode, VisibilityMode,
+};
 use rho_grid::q::PixelSize;
 
-/// The flags that choose how a frame is drawn; what is not given is [`Mode::default`]'s.
+/// The flags that choose how a frame is drawn.
 #[derive(Args, Clone, Copy, Debug, Default)]
 #[command(next_help_heading = "Mode")]
 pub struct ModeArgs {
+    /// A tuple of what follows and of the grid: fast, balanced, fine [default: balanced]; the
+    /// flags below override it
+    #[arg(long, value_name = "NAME")]
+    preset: Option<Preset>,
+    /// Which grid of a blob that has several, counted from 0 as `rho info` does
+    #[arg(long, value_name = "N")]
+    grid: Option<u16>,
     /// How the nearest sample of a pixel is found: eye, z
     #[arg(long, value_name = "NAME")]
     visibility: Option<VisibilityMode>,
-    /// Which pixels a sample colours: point, splat, box
+    /// Which pixels a sample colours: point, splat, box, disc
     #[arg(long, value_name = "NAME")]
     footprint: Option<FootprintMode>,
     /// How 1/w is found: divide, table
     #[arg(long, value_name = "NAME")]
     reciprocal: Option<ReciprocalMode>,
+    /// What the frame is kept in: words (RGB565), tones (a byte a pixel; eye order only)
+    #[arg(long, value_name = "NAME")]
+    frame: Option<FrameMode>,
     /// A cell at most this large on the screen is drawn from its own sample
     #[arg(long, value_name = "PX", value_parser = pixel_size, allow_hyphen_values = true)]
     cell_size: Option<PixelSize>,
@@ -34,24 +47,33 @@ fn pixel_size(text: &str) -> Result<PixelSize, String> {
 }
 
 impl ModeArgs {
-    /// The mode.
+    /// The mode in which `blob` is drawn as `camera` sees it.
     #[must_use]
-    pub fn mode(&self) -> Mode {
-        let default = Mode::default();
+    pub fn mode(&self, blob: &Blob<'_>, camera: &Camera) -> Mode {
+        let preset = self.preset.unwrap_or(Preset::Balanced);
+        let preset = preset.mode(blob, camera);
+        let visibility = self.visibility.unwrap_or(preset.visibility);
+        // Tones know no depth.
+        let frame = match visibility {
+            VisibilityMode::Eye => preset.frame,
+            VisibilityMode::Z => FrameMode::Words,
+        };
         Mode {
-            visibility: self.visibility.unwrap_or(default.visibility),
-            footprint: self.footprint.unwrap_or(default.footprint),
-            reciprocal: self.reciprocal.unwrap_or(default.reciprocal),
-            cell_size: self.cell_size.unwrap_or(default.cell_size),
+            visibility,
+            footprint: self.footprint.unwrap_or(preset.footprint),
+            reciprocal: self.reciprocal.unwrap_or(preset.reciprocal),
+            frame: self.frame.unwrap_or(frame),
+            grid: self.grid.unwrap_or(preset.grid),
+            cell_size: self.cell_size.unwrap_or(preset.cell_size),
         }
     }
 
     /// What should be known before this mode draws this blob.
     #[must_use]
-    pub fn warning(&self, blob: &Blob<'_>) -> Option<&'static str> {
+    pub fn warning(mode: Mode, blob: &Blob<'_>) -> Option<&'static str> {
         let centred = |grid: Grid<'_>| grid.layout().offset == 0;
-        let discs = self.mode().footprint == FootprintMode::Disc;
-        (discs && blob.grid(0).is_some_and(centred)).then_some(
+        let discs = mode.footprint == FootprintMode::Disc;
+        (discs && blob.grid(mode.grid).is_some_and(centred)).then_some(
             "this blob's samples have no offsets, and discs at the cells' centres leave holes: \
              bake it with --thin --layout offset, or use --footprint box",
         )
@@ -81,16 +103,35 @@ mod tests {
 
     #[test]
     fn discs_without_offsets_are_warned_of() {
-        let discs = ModeArgs {
-            footprint: Some(FootprintMode::Disc),
-            ..ModeArgs::default()
-        };
+        let camera = crate::view::View::from(crate::view::StandardView::Near).camera();
         for (layout, warned) in [(Layout::MATERIAL, true), (Layout::OFFSET, false)] {
             let file = crate::blob_file::BlobFile::from_bytes(&one_leaf(layout), "leaf");
             let blob = file.blob().unwrap();
-            assert_eq!(discs.warning(&blob).is_some(), warned);
-            assert_eq!(ModeArgs::default().warning(&blob), None);
+            let discs = Mode {
+                footprint: FootprintMode::Disc,
+                ..Mode::default()
+            };
+            assert_eq!(ModeArgs::warning(discs, &blob).is_some(), warned);
+            // Presets choose what the samples allow.
+            let preset = ModeArgs::default().mode(&blob, camera.as_ref().unwrap());
+            assert_eq!(ModeArgs::warning(preset, &blob), None);
         }
+    }
+
+    #[test]
+    fn a_flag_overrides_the_preset_and_depths_need_words() {
+        let camera = crate::view::View::from(crate::view::StandardView::Near).camera();
+        let file = crate::blob_file::BlobFile::from_bytes(&one_leaf(Layout::OFFSET), "leaf");
+        let blob = file.blob().unwrap();
+        let flags = ModeArgs {
+            visibility: Some(VisibilityMode::Z),
+            footprint: Some(FootprintMode::Splat),
+            ..ModeArgs::default()
+        };
+        let mode = flags.mode(&blob, &camera.unwrap());
+        assert_eq!(mode.visibility, VisibilityMode::Z);
+        assert_eq!(mode.footprint, FootprintMode::Splat);
+        assert_eq!(mode.frame, FrameMode::Words);
     }
 
     fn one_leaf(layout: Layout) -> Vec<u8> {
@@ -114,10 +155,5 @@ mod tests {
             origin: String::new(),
         };
         encode(&tree, &encoding)
-    }
-
-    #[test]
-    fn without_flags_the_mode_is_the_default() {
-        assert_eq!(ModeArgs::default().mode(), Mode::default());
     }
 }

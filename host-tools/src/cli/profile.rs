@@ -101,13 +101,15 @@ impl ProfileArgs {
     pub fn run(&self) -> Outcome {
         let file = BlobFile::read(&self.model)?;
         let blob = file.blob()?;
-        if let Some(warning) = self.mode.warning(&blob) {
+        let camera = self.view.view().camera()?;
+        let mode = self.mode.mode(&blob, &camera);
+        if let Some(warning) = ModeArgs::warning(mode, &blob) {
             eprintln!("warning: {warning}");
         }
         let request = Request::Model(Scene {
-            camera: self.view.view().camera()?,
+            camera,
             light: render::light(self.view.light()),
-            mode: self.mode.mode(),
+            mode,
         });
         let firmware = Firmware::named_or_built(self.firmware.as_deref(), self.core)?;
         let plugin = profile::plugin(Path::new("."), None)?;

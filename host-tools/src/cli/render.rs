@@ -65,12 +65,13 @@ impl Render {
             );
         }
         let file = BlobFile::read(&self.blob)?;
-        let mode = self.mode_args.mode();
         let blob = file.blob()?;
-        if let Some(warning) = self.mode_args.warning(&blob).filter(|_| !self.quiet) {
+        let view = self.view_args.view();
+        let mode = self.mode_args.mode(&blob, &view.camera()?);
+        if let Some(warning) = ModeArgs::warning(mode, &blob).filter(|_| !self.quiet) {
             eprintln!("warning: {warning}");
         }
-        let drawn = render::render(&blob, &self.view_args.view(), self.view_args.light(), mode)?;
+        let drawn = render::render(&blob, &view, self.view_args.light(), mode)?;
         let (width, height) = (u32::from(drawn.width), u32::from(drawn.height));
         if let Some(path) = &self.depth {
             let values = drawn.depth.iter().copied().map(f64::from).collect();

@@ -77,27 +77,35 @@ impl RunArgs {
     /// # Errors
     /// See [`device::run`]; and when a file cannot be read or written.
     pub fn run(&self) -> Outcome {
-        let request = self.request()?;
+        let camera = self.view.view().camera()?;
         let mut baked = String::new();
-        let model = match &self.model {
-            None if self.picture == Subject::Model => {
+        let file = self.model.as_deref().map(BlobFile::read).transpose()?;
+        // The device checks it again; here a broken one is told with what to do.
+        let blob = file.as_ref().map(BlobFile::blob).transpose()?;
+        let request = match (self.picture, &blob) {
+            (Subject::TestCard, _) => Request::TestCard,
+            (Subject::CountLoop, _) => Request::CountLoop,
+            (Subject::Model, None) => {
                 return Err(Failure::input("there is no model to draw")
                     .help("name a baked one, or draw the test card: --picture test-card"));
             }
-            None => None,
-            Some(path) => {
-                let file = BlobFile::read(path)?;
-                // The device checks it again; here a broken one is told with what to do.
-                let blob = file.blob()?;
-                if let Some(warning) = self.mode.warning(&blob) {
+            (Subject::Model, Some(blob)) => {
+                let mode = self.mode.mode(blob, &camera);
+                if let Some(warning) = ModeArgs::warning(mode, blob) {
                     eprintln!("warning: {warning}");
                 }
-                let grids = (0..blob.grid_count()).filter_map(|g| blob.grid(g));
-                let samples: u64 = grids.map(|g| u64::from(g.leaf_samples())).sum();
-                baked = format!(", {samples} samples in {} B of flash", file.bytes().len());
-                Some(file)
+                Request::Model(Scene {
+                    camera,
+                    light: render::light(self.view.light()),
+                    mode,
+                })
             }
         };
+        if let (Some(file), Some(blob)) = (&file, &blob) {
+            let samples: u64 = blob.grids().map(|g| u64::from(g.leaf_samples())).sum();
+            baked = format!(", {samples} samples in {} B of flash", file.bytes().len());
+        }
+        let model = file;
         let model = model.as_ref().map(BlobFile::bytes);
         let firmware = Firmware::named_or_built(self.firmware.as_deref(), self.core)?;
         let run = device::run(&firmware, model, &request, self.timeout)?;
@@ -117,18 +125,6 @@ impl RunArgs {
             println!("{}{}", line(&firmware, &run), baked);
         }
         check_counter(&run)
-    }
-
-    fn request(&self) -> Outcome<Request> {
-        Ok(match self.picture {
-            Subject::TestCard => Request::TestCard,
-            Subject::CountLoop => Request::CountLoop,
-            Subject::Model => Request::Model(Scene {
-                camera: self.view.view().camera()?,
-                light: render::light(self.view.light()),
-                mode: self.mode.mode(),
-            }),
-        })
     }
 
     fn object(

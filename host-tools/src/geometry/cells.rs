@@ -152,7 +152,7 @@ impl Subcells {
 }
 
 /// The bits set in `mask`, ascending.
-pub fn bits(mut mask: u128) -> impl Iterator<Item = u32> {
+pub fn bits(mut mask: u128) -> impl Iterator<Item = u32> + Clone {
     std::iter::from_fn(move || {
         let bit = mask.trailing_zeros();
         mask &= mask.wrapping_sub(1);

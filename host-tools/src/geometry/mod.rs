@@ -8,13 +8,16 @@
 //! | paper | here |
 //! | --- | --- |
 //! | IntersectAxisAlignedBox(box) | [`Geometry::meets`], a bit for each of rho^3 boxes |
-//! | GetSampleAt(centre, primitive) | [`Geometry::sample_at`], over the primitives that meet the cell |
+//! | GetSampleAt(centre, primitive) | [`Geometry::portion`], over the primitives that meet the cell |
+//!
+//! The paper's sample is one point of the surface; a [`Portion`] sums up all of it in the cell.
 //!
 //! [`Geometry::crosses`] asks for 6-separating cells (Huang, Yagel, Filippov & Kurzion 1998),
 //! which the paper has not.
 
 pub mod cells;
 pub mod patch;
+pub mod portion;
 pub mod teapot;
 pub mod triangle;
 pub mod triangles;
@@ -24,7 +27,8 @@ use std::borrow::Cow;
 use glam::DVec3;
 
 use crate::mesh::Mesh;
-use cells::Subcells;
+use cells::{Cell, Subcells};
+use portion::Portion;
 
 /// The colour of a surface that has none of its own.
 pub const WHITE: [u8; 3] = [255; 3];
@@ -62,6 +66,15 @@ pub trait Geometry: Sync {
     /// Of the listed primitives, the point nearest `centre`; the first of equals.
     /// `None` when the list is empty.
     fn sample_at(&self, primitives: &[u32], centre: DVec3) -> Option<Sample>;
+
+    /// What of the listed primitives lies in `cell`, which all of them meet; it has an area.
+    /// `None` when the list is empty.
+    ///
+    /// What is not told otherwise is a face's area at the point nearest the cell's centre.
+    fn portion(&self, primitives: &[u32], cell: &Cell) -> Option<Portion> {
+        let nearest = self.sample_at(primitives, cell.centre())?;
+        Some(Portion::at(&nearest, cell, 1.0))
+    }
 
     /// The surface's area in squares of the cube's side, every piece of it times `weight` of
     /// its unit normal (|nx|, |ny|, |nz|). `weight` is of the first degree: of twice the vector

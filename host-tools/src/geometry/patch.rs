@@ -235,20 +235,10 @@ impl Piece {
     /// The point of the triangles nearest `p`, and its (u, v) in the patch.
     #[must_use]
     pub fn nearest(&self, p: DVec3) -> (DVec3, f64, f64) {
-        let [u0, u1] = self.u;
-        let [v0, v1] = self.v;
-        let squares = [
-            [(u0, v0), (u1, v0), (u1, v1)],
-            [(u0, v0), (u1, v1), (u0, v1)],
-        ];
         let [first, second] = [0, 1].map(|half| {
             let weights = triangle::nearest(&self.triangles[half], p);
             let point = triangle::point(&self.triangles[half], weights);
-            let (mut u, mut v) = (0.0, 0.0);
-            for (weight, at) in weights.into_iter().zip(squares[half]) {
-                u += weight * at.0;
-                v += weight * at.1;
-            }
+            let (u, v) = self.at(half, weights);
             (point, u, v)
         });
         if p.distance_squared(second.0) < p.distance_squared(first.0) {
@@ -256,6 +246,23 @@ impl Piece {
         } else {
             first
         }
+    }
+
+    /// The patch's (u, v) at the point of triangle `half`, 0 or 1, with these weights.
+    #[must_use]
+    pub fn at(&self, half: usize, weights: [f64; 3]) -> (f64, f64) {
+        let ([u0, u1], [v0, v1]) = (self.u, self.v);
+        let corners = if half == 0 {
+            [(u0, v0), (u1, v0), (u1, v1)]
+        } else {
+            [(u0, v0), (u1, v1), (u0, v1)]
+        };
+        let (mut u, mut v) = (0.0, 0.0);
+        for (weight, at) in weights.into_iter().zip(corners) {
+            u += weight * at.0;
+            v += weight * at.1;
+        }
+        (u, v)
     }
 }
 

@@ -13,8 +13,9 @@ use std::borrow::Cow;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::cells::Subcells;
+use super::cells::{Cell, Subcells};
 use super::patch::{Patch, Piece};
+use super::portion::{Portion, gather};
 use super::{Geometry, Sample, triangle};
 use crate::mesh::Mesh;
 
@@ -254,6 +255,26 @@ impl Geometry for Teapot {
             normal: patch.normal(u, v),
             colour: *colour,
         })
+    }
+
+    fn portion(&self, primitives: &[u32], cell: &Cell) -> Option<Portion> {
+        let (low, high) = cell.corners();
+        let halves = primitives.iter().flat_map(|&primitive| {
+            let (piece, patch) = &self.pieces[primitive as usize];
+            (0..2).map(move |half| (piece, &self.patches[*patch], half))
+        });
+        let pieces = halves.filter_map(|(piece, (patch, colour), half)| {
+            let corners = &piece.triangles[half];
+            let (area, centre) = triangle::within(corners, low, high)?;
+            let (u, v) = piece.at(half, triangle::weights(corners, centre));
+            let sample = Sample {
+                position: centre,
+                normal: patch.normal(u, v),
+                colour: *colour,
+            };
+            Some((area, sample))
+        });
+        gather(cell, pieces, || self.sample_at(primitives, cell.centre()))
     }
 
     fn weighted_area(&self, weight: fn(DVec3) -> f64) -> f64 {

@@ -236,6 +236,99 @@ fn cut_edge_on<const U: usize, const V: usize, const W: usize>(
     span
 }
 
+/// The part of the triangle in the box from `low` to `high`: its area and centre of gravity;
+/// `None` when it has no area.
+#[must_use]
+pub fn within(corners: &Corners, low: DVec3, high: DVec3) -> Option<(f64, DVec3)> {
+    let (least, most) = bounds(corners);
+    if low.cmple(least).all() && most.cmple(high).all() {
+        let area = 0.5 * area_normal(corners).length();
+        let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+        return (area > 0.0).then_some((area, centre));
+    }
+    let (mut polygon, mut spare) = (&mut Polygon::new(), &mut Polygon::new());
+    corners.iter().for_each(|corner| polygon.push(*corner));
+    for axis in 0..3 {
+        if least[axis] < low[axis] {
+            polygon.cut(spare, |p| p[axis] - low[axis]);
+            (polygon, spare) = (spare, polygon);
+        }
+        if high[axis] < most[axis] {
+            polygon.cut(spare, |p| high[axis] - p[axis]);
+            (polygon, spare) = (spare, polygon);
+        }
+    }
+    let [first, rest @ ..] = polygon.corners() else {
+        return None;
+    };
+    let normal = area_normal(corners).try_normalize()?;
+    let (mut area, mut moment) = (0.0, DVec3::ZERO);
+    for pair in rest.windows(2) {
+        let triangle = [*first, pair[0], pair[1]];
+        let part = 0.5 * area_normal(&triangle).dot(normal);
+        area += part;
+        moment += part * (triangle[0] + triangle[1] + triangle[2]);
+    }
+    (area > 0.0).then(|| (area, moment / (3.0 * area)))
+}
+
+/// A convex polygon: a triangle and a corner more for each of six cuts. Rounding may cut one that
+/// is next to a line more often; what is then too much is left out with no loss of area.
+struct Polygon {
+    corners: [DVec3; 12],
+    count: usize,
+}
+
+impl Polygon {
+    fn new() -> Self {
+        Self {
+            corners: [DVec3::ZERO; 12],
+            count: 0,
+        }
+    }
+
+    fn push(&mut self, corner: DVec3) {
+        if let Some(place) = self.corners.get_mut(self.count) {
+            *place = corner;
+            self.count += 1;
+        }
+    }
+
+    fn corners(&self) -> &[DVec3] {
+        &self.corners[..self.count]
+    }
+
+    /// Puts into `kept` what of it lies where `depth`, an affine function, is not negative.
+    fn cut(&self, kept: &mut Self, depth: impl Fn(DVec3) -> f64) {
+        kept.count = 0;
+        let Some(mut p) = self.corners().last().copied() else {
+            return;
+        };
+        let mut there = depth(p);
+        for &q in self.corners() {
+            let here = depth(q);
+            if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
+                kept.push(q + (p - q) * (here / (here - there)));
+            }
+            if here >= 0.0 {
+                kept.push(q);
+            }
+            (p, there) = (q, here);
+        }
+    }
+}
+
+/// The weights of the corners of a triangle with an area, for a point of its plane.
+#[must_use]
+pub fn weights(corners: &Corners, point: DVec3) -> [f64; 3] {
+    let [a, b, c] = *corners;
+    let normal = area_normal(corners);
+    let square = normal.length_squared();
+    let second = (point - a).cross(c - a).dot(normal) / square;
+    let third = (b - a).cross(point - a).dot(normal) / square;
+    [1.0 - second - third, second, third]
+}
+
 /// The point of the triangle nearest `p`, as the weights of its corners: each 0 to 1, their
 /// sum 1.
 #[must_use]
@@ -347,9 +440,8 @@ mod tests {
         })
     }
 
-    /// The naive twin of `meets`: the triangle cut by the six half spaces of a box that is
-    /// larger by `margin`, as a polygon.
-    fn polygon_in_box(corners: &Corners, low: DVec3, high: DVec3, margin: f64) -> bool {
+    /// The triangle cut by the six half spaces of a box that is larger by `margin`.
+    fn polygon(corners: &Corners, low: DVec3, high: DVec3, margin: f64) -> Vec<DVec3> {
         let mut polygon = corners.to_vec();
         for axis in 0..3 {
             for (sign, plane) in [(1.0, low[axis] - margin), (-1.0, -high[axis] - margin)] {
@@ -367,7 +459,12 @@ mod tests {
                 polygon = kept;
             }
         }
-        !polygon.is_empty()
+        polygon
+    }
+
+    /// The naive twin of `meets`.
+    fn polygon_in_box(corners: &Corners, low: DVec3, high: DVec3, margin: f64) -> bool {
+        !polygon(corners, low, high, margin).is_empty()
     }
 
     /// The naive twin of `crosses`: whether the segment passes through the triangle's inside,
@@ -424,6 +521,35 @@ mod tests {
                 prop_assert!(crossed || !pierced, "missed {child:?}");
                 let touched = segments.iter().any(|&(from, to)| polygon_in_box(&corners, from, to, 1e-9));
                 prop_assert!(!crossed || touched, "beside {child:?}");
+            }
+        }
+
+        #[test]
+        fn the_parts_of_a_triangle_in_boxes_are_those_that_clipping_leaves(
+            corners in any_triangle(), (cell, rho) in any_cell()
+        ) {
+            let mut sum = 0.0;
+            for (_, child) in boxes(&cell, rho) {
+                let (low, high) = child.corners();
+                let (area, centre) = within(&corners, low, high).unwrap_or((0.0, DVec3::ZERO));
+                let clipped = polygon(&corners, low, high, 0.0);
+                let mut doubled = DVec3::ZERO;
+                for (i, p) in clipped.iter().enumerate() {
+                    doubled += p.cross(clipped[(i + 1) % clipped.len()]);
+                }
+                prop_assert!((area - 0.5 * doubled.length()).abs() < 1e-9);
+                if area > 1e-6 {
+                    prop_assert!(low.cmple(centre + 1e-9).all() && (centre - 1e-9).cmple(high).all());
+                    let again = point(&corners, weights(&corners, centre));
+                    prop_assert!(again.distance(centre) < 1e-9);
+                }
+                sum += area;
+            }
+            // In the whole cube nothing is lost.
+            if cell.per_axis == 1 {
+                // But what lies in a face between boxes belongs to both.
+                let whole = 0.5 * area_normal(&corners).length();
+                prop_assert!(sum >= whole - 1e-9, "{sum} {whole}");
             }
         }
 

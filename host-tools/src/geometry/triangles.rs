@@ -5,7 +5,8 @@ use std::borrow::Cow;
 
 use glam::DVec3;
 
-use super::cells::Subcells;
+use super::cells::{Cell, Subcells};
+use super::portion::{Portion, gather};
 use super::triangle::{self, Corners};
 use super::{Geometry, Sample, WHITE};
 use crate::mesh::Mesh;
@@ -25,6 +26,28 @@ impl<'a> Triangles<'a> {
         let corner = |v: u32| mesh.positions[v as usize];
         let corners = mesh.triangles.iter().map(|t| t.map(corner)).collect();
         Self { mesh, corners }
+    }
+
+    /// The triangle's point with these weights, which lies at `position`.
+    fn sample(&self, primitive: u32, weights: [f64; 3], position: DVec3) -> Sample {
+        let vertices = self.mesh.triangles[primitive as usize];
+        let face = || {
+            let normal = triangle::area_normal(&self.corners[primitive as usize]);
+            normal.try_normalize().unwrap_or(DVec3::Y)
+        };
+        let normal = interpolate(vertices, weights, |v| self.mesh.normals.get(v).copied());
+        Sample {
+            position,
+            // Normals that point against each other leave nothing but noise.
+            normal: normal
+                .filter(|n| n.length_squared() > 1e-12)
+                .map_or_else(face, DVec3::normalize),
+            colour: interpolate(vertices, weights, |v| {
+                let colour = self.mesh.colours.get(v)?;
+                Some(DVec3::from_array(colour.map(f64::from)))
+            })
+            .map_or(WHITE, |c| c.to_array().map(|x| x.round() as u8)),
+        }
     }
 }
 
@@ -55,24 +78,18 @@ impl Geometry for Triangles<'_> {
             }
         }
         let (primitive, weights, position) = found?;
-        let vertices = self.mesh.triangles[primitive as usize];
-        let face = || {
-            let normal = triangle::area_normal(&self.corners[primitive as usize]);
-            normal.try_normalize().unwrap_or(DVec3::Y)
-        };
-        let normal = interpolate(vertices, weights, |v| self.mesh.normals.get(v).copied());
-        Some(Sample {
-            position,
-            // Normals that point against each other leave nothing but noise.
-            normal: normal
-                .filter(|n| n.length_squared() > 1e-12)
-                .map_or_else(face, DVec3::normalize),
-            colour: interpolate(vertices, weights, |v| {
-                let colour = self.mesh.colours.get(v)?;
-                Some(DVec3::from_array(colour.map(f64::from)))
-            })
-            .map_or(WHITE, |c| c.to_array().map(|x| x.round() as u8)),
-        })
+        Some(self.sample(primitive, weights, position))
+    }
+
+    fn portion(&self, primitives: &[u32], cell: &Cell) -> Option<Portion> {
+        let (low, high) = cell.corners();
+        let pieces = primitives.iter().filter_map(|&primitive| {
+            let corners = &self.corners[primitive as usize];
+            let (area, centre) = triangle::within(corners, low, high)?;
+            let weights = triangle::weights(corners, centre);
+            Some((area, self.sample(primitive, weights, centre)))
+        });
+        gather(cell, pieces, || self.sample_at(primitives, cell.centre()))
     }
 
     fn weighted_area(&self, weight: fn(DVec3) -> f64) -> f64 {

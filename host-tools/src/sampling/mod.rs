@@ -17,11 +17,10 @@
 //! depends on nothing but its own primitives, which keep their order, and subtrees are
 //! strung together in the order of their roots.
 //!
-//! An intermediate sample is the nearest point, as in the paper. Its normal is that of one
-//! point, though many leaves stand behind it: where the surface is rougher than the cell,
-//! the mean of the leaves' normals and colours would shade with less noise from afar (and
-//! Botsch et al. 2002 average). It could be had here from the children's samples, bottom up.
+//! Here the paper is left: a sample is not the point nearest the cell's centre, but the mean of the
+//! surface round it ([`blend`]), for leaves and (as Botsch et al. 2002 do) for all above them.
 
+mod blend;
 mod tree;
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -32,6 +31,7 @@ use rayon::prelude::*;
 use crate::failure::{Failure, Outcome};
 use crate::geometry::Geometry;
 use crate::geometry::cells::{Cell, Subcells, bits};
+use crate::geometry::portion::Portion;
 
 pub use tree::{MAX_CELLS, Separation, Sequence, Tree, TreeLevel, TreeSample};
 
@@ -45,9 +45,9 @@ const CHUNK: usize = 16_384;
 /// unseen: sheets that share cells are expected once each.
 const OVERESTIMATE: u64 = 16;
 
-/// Memory while sampling, in bytes a node: the sample and its share of masks, twice, since
-/// subtrees are copied together at the end.
-const NODE_BYTES: u64 = 2 * (size_of::<TreeSample>() + size_of::<u128>() / 8) as u64;
+/// Memory while sampling, in bytes a node: its portion and its share of masks, twice, since
+/// subtrees are copied together at the end; a sample is smaller than a portion.
+const NODE_BYTES: u64 = 2 * (size_of::<Portion>() + size_of::<u128>() / 8) as u64;
 
 /// How to sample.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -112,10 +112,10 @@ impl Sampling {
         let (mut inside, _) = grower.deal(&all, &root, false);
         drop(all);
         let inside = inside.swap_remove(0);
-        let levels = grower
+        let Branch { masks, leaves } = grower
             .branch(&Cell::ROOT, 0, &inside)
             .map_err(|TooLarge| self.too_large(&format!("more than {}", megabytes(self.memory))))?;
-        if levels[0].samples.is_empty() {
+        if leaves.is_empty() {
             let failure = Failure::input("the object has no surface in any cell of the grid");
             return Err(match self.separation {
                 Separation::TwentySix => failure.help("give a model that has triangles"),
@@ -127,7 +127,7 @@ impl Sampling {
         Ok(Tree {
             sequence: self.sequence.as_slice().to_vec(),
             separation: self.separation,
-            levels,
+            levels: blend::levels(self.sequence.as_slice(), masks, leaves),
         })
     }
 
@@ -165,6 +165,24 @@ struct Grower<'a, G: ?Sized> {
     leaves: &'a AtomicU64,
 }
 
+/// A subtree.
+struct Branch {
+    /// The masks of its inner nodes, level by level from its root down.
+    masks: Vec<Vec<u128>>,
+    /// None when the surface crosses no cell of it; its masks are then empty, too.
+    leaves: Vec<Portion>,
+}
+
+impl Branch {
+    /// With `levels` of inner nodes, none of them yet.
+    fn new(levels: usize) -> Self {
+        Self {
+            masks: vec![Vec::new(); levels],
+            leaves: Vec::new(),
+        }
+    }
+}
+
 /// The primitives of each subcell, by bit.
 type Lists = Vec<Vec<u32>>;
 
@@ -174,53 +192,43 @@ impl<G: Geometry + ?Sized> Grower<'_, G> {
         self.separation == Separation::Six && depth + 1 == self.sequence.len()
     }
 
-    /// The subtree of `cell`, at `depth`, as its levels from there down; they are empty when
-    /// it has no leaf. Subtrees are divided among threads.
-    fn branch(
-        &self,
-        cell: &Cell,
-        depth: usize,
-        primitives: &[u32],
-    ) -> Result<Vec<TreeLevel>, TooLarge> {
+    /// The subtree of `cell`, at `depth`. Subtrees are divided among threads.
+    fn branch(&self, cell: &Cell, depth: usize, primitives: &[u32]) -> Result<Branch, TooLarge> {
         if cell.per_axis >= TASKS || depth == self.sequence.len() {
             let mut task = Task::new(self, depth);
             task.grow(cell, depth, primitives)?;
             task.account(0)?;
-            return Ok(task.levels);
+            return Ok(task.branch);
         }
         let rho = self.sequence[depth];
         let subcells = Subcells::of(cell, rho);
-        let (sample, (lists, crossed)) = rayon::join(
-            || self.sample(cell, primitives),
-            || self.deal(primitives, &subcells, self.must_cross(depth)),
-        );
-        let children: Vec<Vec<TreeLevel>> = lists
+        let (lists, crossed) = self.deal(primitives, &subcells, self.must_cross(depth));
+        let children: Vec<Branch> = lists
             .into_par_iter()
             .enumerate()
             .map(|(bit, list)| {
                 if list.is_empty() || crossed >> bit & 1 == 0 {
-                    return Ok(Vec::new());
+                    return Ok(Branch::new(0));
                 }
                 self.branch(&cell.child(rho, bit as u32), depth + 1, &list)
             })
             .collect::<Result<_, _>>()?;
 
-        let mut levels = vec![TreeLevel::default(); self.sequence.len() + 1 - depth];
+        let mut whole = Branch::new(self.sequence.len() - depth);
         let mut mask = 0;
         for (bit, child) in children.into_iter().enumerate() {
-            if child.first().is_some_and(|top| !top.samples.is_empty()) {
+            if !child.leaves.is_empty() {
                 mask |= 1 << bit;
             }
-            for (level, part) in levels[1..].iter_mut().zip(child) {
-                level.samples.extend_from_slice(&part.samples);
-                level.masks.extend_from_slice(&part.masks);
+            whole.leaves.extend_from_slice(&child.leaves);
+            for (level, part) in whole.masks[1..].iter_mut().zip(child.masks) {
+                level.extend_from_slice(&part);
             }
         }
-        if let (true, Some(sample)) = (mask != 0, sample) {
-            levels[0].samples.push(sample);
-            levels[0].masks.push(mask);
+        if mask != 0 {
+            whole.masks[0].push(mask);
         }
-        Ok(levels)
+        Ok(whole)
     }
 
     /// Deals the primitives of a cell out to its subcells, each list in ascending order; and
@@ -265,17 +273,6 @@ impl<G: Geometry + ?Sized> Grower<'_, G> {
         }
         crossed
     }
-
-    fn sample(&self, cell: &Cell, primitives: &[u32]) -> Option<TreeSample> {
-        let centre = cell.centre();
-        let sample = self.geometry.sample_at(primitives, centre)?;
-        let from_centre: DVec3 = sample.position - centre;
-        Some(TreeSample {
-            normal: sample.normal.as_vec3(),
-            offset: (from_centre.dot(sample.normal) / cell.side()) as f32,
-            colour: sample.colour,
-        })
-    }
 }
 
 /// One subtree, grown depth first by one thread.
@@ -283,7 +280,7 @@ struct Task<'a, 'b, G: ?Sized> {
     shared: &'a Grower<'b, G>,
     /// The depth of the subtree's root.
     top: usize,
-    levels: Vec<TreeLevel>,
+    branch: Branch,
     /// The subcells' lists in use at each depth below the root, kept for their memory.
     lists: Vec<Lists>,
     /// Nodes and leaves not yet accounted for.
@@ -297,7 +294,7 @@ impl<'a, 'b, G: Geometry + ?Sized> Task<'a, 'b, G> {
         Self {
             shared,
             top,
-            levels: vec![TreeLevel::default(); below.len() + 1],
+            branch: Branch::new(below.len()),
             lists: below
                 .iter()
                 .map(|&rho| vec![Vec::new(); usize::from(rho).pow(3)])
@@ -309,41 +306,41 @@ impl<'a, 'b, G: Geometry + ?Sized> Task<'a, 'b, G> {
 
     /// Adds the subtree of `cell` to the levels; says whether it has a leaf.
     fn grow(&mut self, cell: &Cell, depth: usize, primitives: &[u32]) -> Result<bool, TooLarge> {
-        let level = depth - self.top;
-        let Some(sample) = self.shared.sample(cell, primitives) else {
-            return Ok(false);
-        };
-        if let Some(&rho) = self.shared.sequence.get(depth) {
-            let subcells = Subcells::of(cell, rho);
-            let mut lists = std::mem::take(&mut self.lists[level]);
-            for list in &mut lists {
-                list.clear();
-            }
-            let cross = self.shared.must_cross(depth);
-            let crossed = self
-                .shared
-                .deal_chunk(primitives, &subcells, cross, &mut lists);
-            let mut mask = 0;
-            for (bit, list) in (0..).zip(&lists) {
-                if !list.is_empty()
-                    && crossed >> bit & 1 == 1
-                    && self.grow(&cell.child(rho, bit), depth + 1, list)?
-                {
-                    mask |= 1 << bit;
-                }
-            }
-            self.lists[level] = lists;
-            if mask == 0 {
+        let Some(&rho) = self.shared.sequence.get(depth) else {
+            let Some(leaf) = self.shared.geometry.portion(primitives, cell) else {
                 return Ok(false);
-            }
-            self.levels[level].masks.push(mask);
-        } else {
+            };
+            self.branch.leaves.push(leaf);
             self.leaves += 1;
+            self.nodes += 1;
+            self.account(1024)?;
+            return Ok(true);
+        };
+        let level = depth - self.top;
+        let subcells = Subcells::of(cell, rho);
+        let mut lists = std::mem::take(&mut self.lists[level]);
+        for list in &mut lists {
+            list.clear();
         }
-        self.levels[level].samples.push(sample);
-        self.nodes += 1;
-        self.account(1024)?;
-        Ok(true)
+        let cross = self.shared.must_cross(depth);
+        let crossed = self
+            .shared
+            .deal_chunk(primitives, &subcells, cross, &mut lists);
+        let mut mask = 0;
+        for (bit, list) in (0..).zip(&lists) {
+            if !list.is_empty()
+                && crossed >> bit & 1 == 1
+                && self.grow(&cell.child(rho, bit), depth + 1, list)?
+            {
+                mask |= 1 << bit;
+            }
+        }
+        self.lists[level] = lists;
+        if mask != 0 {
+            self.branch.masks[level].push(mask);
+            self.nodes += 1;
+        }
+        Ok(mask != 0)
     }
 
     /// Tells of the nodes made since it was last called, if there are at least `from`.
@@ -365,6 +362,7 @@ impl<'a, 'b, G: Geometry + ?Sized> Task<'a, 'b, G> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::triangle;
     use crate::geometry::triangles::Triangles;
     use crate::mesh::Mesh;
 
@@ -457,27 +455,77 @@ mod tests {
         }
     }
 
+    /// The mean of the sphere's surface in cells of which each counts `weight(cell)`, in f64: its
+    /// normal and centre of gravity.
+    fn mean(mesh: &Mesh, cells: impl Iterator<Item = (Cell, f64)>) -> (DVec3, DVec3) {
+        let (mut area, mut moment, mut normal) = (0.0, DVec3::ZERO, DVec3::ZERO);
+        for (cell, weight) in cells {
+            let (low, high) = cell.corners();
+            for triangle in &mesh.triangles {
+                let corners = triangle.map(|v| mesh.positions[v as usize]);
+                let Some((part, centre)) = triangle::within(&corners, low, high) else {
+                    continue;
+                };
+                area += weight * part;
+                moment += weight * part * centre;
+                // On a sphere the interpolated normal is that of the place.
+                normal += weight * part * centre.normalize();
+            }
+        }
+        (normal.normalize(), moment / area)
+    }
+
     #[test]
-    fn each_sample_belongs_to_its_cell() {
+    fn a_sample_is_the_mean_of_the_leaves_in_its_cell_and_less_of_those_round_it() {
         let mesh = sphere();
-        let geometry = Triangles::new(&mesh);
         for separation in [Separation::TwentySix, Separation::Six] {
             let tree = grow(&mesh, "2,3,4", separation);
-            for (level, cells) in tree.levels.iter().zip(cells(&tree)) {
+            let all = cells(&tree);
+            let leaves = all.last().unwrap();
+            let within = |leaf: &Cell, cell: &Cell| {
+                let times = leaf.per_axis / cell.per_axis;
+                leaf.index.map(|i| (i / times) as i32)
+            };
+            for (level, cells) in tree.levels.iter().zip(&all).skip(2) {
                 assert_eq!(level.samples.len(), cells.len());
-                for (sample, cell) in level.samples.iter().zip(cells) {
-                    let met: Vec<u32> = (0..geometry.primitives())
-                        .filter(|&p| geometry.meets(p, &Subcells::of(&cell, 1)) == 1)
-                        .collect();
-                    let nearest = geometry.sample_at(&met, cell.centre()).unwrap();
-                    assert_eq!(sample.normal, nearest.normal.as_vec3());
-                    assert_eq!(sample.colour, nearest.colour);
-                    let plane =
-                        cell.centre() + f64::from(sample.offset) * cell.side() * nearest.normal;
-                    let off = (nearest.position - plane).dot(nearest.normal);
-                    assert!(off.abs() < 1e-6, "{cell:?} is off by {off}");
+                for (sample, cell) in level.samples.iter().zip(cells).step_by(29) {
+                    let at = cell.index.map(|i| i as i32);
+                    let near = leaves.iter().filter_map(|leaf| {
+                        let other = within(leaf, cell);
+                        let steps = [0, 1, 2].map(|axis| (other[axis] - at[axis]).abs());
+                        let aside = steps.iter().filter(|step| **step == 1).count();
+                        let weight = f64::from(blend::ASIDE).powi(aside as i32);
+                        (steps.iter().all(|step| *step < 2)).then_some((*leaf, weight))
+                    });
+                    let (normal, centre) = mean(&mesh, near);
+                    let off = sample.normal.as_dvec3().distance(normal);
+                    assert!(off < 2e-3, "{cell:?}: {} for {normal}", sample.normal);
+                    let offset = (centre - cell.centre()).dot(normal) / cell.side();
+                    assert!((f64::from(sample.offset) - offset).abs() < 2e-3, "{cell:?}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn of_two_sheets_in_a_cell_the_one_nearer_its_centre_is_kept() {
+        // Two squares across the cube, face to face, 0.02 above and 0.01 below the middle of the
+        // cells of a third of the cube.
+        let mut mesh = Mesh::default();
+        for (y, normal) in [(0.02, DVec3::Y), (-0.01, -DVec3::Y)] {
+            let first = mesh.positions.len() as u32;
+            for (x, z) in [(-0.5, -0.5), (-0.5, 0.5), (0.5, 0.5), (0.5, -0.5)] {
+                mesh.positions.push(DVec3::new(x, y, z));
+                mesh.normals.push(normal);
+            }
+            mesh.triangles
+                .extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| v + first)));
+        }
+        let tree = grow(&mesh, "3", Separation::Six);
+        assert_eq!(tree.leaves(), 9);
+        for sample in &tree.levels[1].samples {
+            assert_eq!(sample.normal, glam::Vec3::NEG_Y);
+            assert!((sample.offset - 0.03).abs() < 1e-6, "{}", sample.offset);
         }
     }
 

@@ -97,23 +97,32 @@ impl FromStr for Sequence {
 /// What a grid keeps of the surface in one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreeSample {
-    /// Of length 1, as the surface has it at the point nearest the cell's centre.
+    /// Of length 1: the mean of the surface round the cell.
     pub normal: Vec3,
-    /// From the cell's centre along `normal` to the tangent plane at that point, in sides of
-    /// the cell; not clamped (a leaf's is within 0.87 where the surface is flat).
+    /// From the cell's centre along `normal` to the plane through that surface's centre of
+    /// gravity, in sides of the cell; not clamped (a leaf's is within 0.87 where the surface is
+    /// flat).
     pub offset: f32,
-    /// sRGB.
+    /// sRGB, that of the largest piece in the cell.
     pub colour: [u8; 3],
 }
 
 /// One level of a [`Tree`], breadth first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TreeLevel {
-    /// One a node.
+    /// One a node; none at all above [`Tree::first_sampled`].
     pub samples: Vec<TreeSample>,
     /// One a node: bit i + rho j + rho^2 k says that subcell (x = i, y = j, z = k) exists.
     /// Empty at the leaves.
     pub masks: Vec<u128>,
+}
+
+impl TreeLevel {
+    /// How many nodes there are.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.samples.len().max(self.masks.len())
+    }
 }
 
 /// A hierarchy of samples. A level holds the children of the first node of the level above
@@ -139,7 +148,23 @@ impl Tree {
     /// Cells of all levels, the root and the leaves among them.
     #[must_use]
     pub fn nodes(&self) -> usize {
-        self.levels.iter().map(|level| level.samples.len()).sum()
+        self.levels.iter().map(TreeLevel::nodes).sum()
+    }
+
+    /// The level from which on nodes have samples.
+    #[must_use]
+    pub fn first_sampled(&self) -> usize {
+        let sampled = |level: &TreeLevel| !level.samples.is_empty();
+        self.levels.iter().position(sampled).unwrap_or(0)
+    }
+
+    /// Leaves the samples of the leaves alone.
+    pub fn drop_intermediate_samples(&mut self) {
+        if let [inner @ .., _] = &mut self.levels[..] {
+            for level in inner {
+                level.samples.clear();
+            }
+        }
     }
 }
 

@@ -70,7 +70,7 @@ pub enum BlobError {
     },
     /// A sample names a material that the blob does not have.
     Material {
-        /// Node over all levels.
+        /// Node, counted over all levels that have samples.
         node: u32,
     },
 }

@@ -16,6 +16,8 @@ pub struct Grid<'a> {
     separation: u8,
     layout: Layout,
     levels: [Level<'a>; MAX_SUBDIVISIONS],
+    first_sampled: usize,
+    nodes: u32,
     leaves: u32,
     attributes: &'a [u16],
 }
@@ -27,7 +29,7 @@ pub struct Level<'a> {
     pub rho: u8,
     /// Number of nodes.
     pub nodes: u32,
-    /// Number of the first node over all levels, the index of its attribute word.
+    /// The index of the first node's attribute word, the others follow; 0 where nodes have none.
     pub first: u32,
     masks: &'a [u32],
     bases: &'a [u32],
@@ -106,29 +108,37 @@ impl<'a> Grid<'a> {
         self.leaves
     }
 
-    /// Number of the first leaf over all levels.
+    /// The level from which on nodes have samples: 0 all of them, [`Self::subdivisions`] the leaves
+    /// alone. Cells above are never drawn from their own sample, however small.
+    #[must_use]
+    pub fn first_sampled(&self) -> usize {
+        self.first_sampled
+    }
+
+    /// The index of the first leaf's attribute word.
     #[must_use]
     pub fn first_leaf(&self) -> u32 {
         self.attributes.len() as u32 - self.leaves
     }
 
-    /// Number of nodes over all levels: intermediate samples and leaves.
+    /// Number of nodes over all levels, the root and the leaves among them.
     #[must_use]
     pub fn nodes(&self) -> u32 {
-        self.attributes.len() as u32
+        self.nodes
     }
 
-    /// The attribute words of all nodes.
+    /// The attribute words of all nodes that have a sample.
     #[must_use]
     pub fn attributes(&self) -> &'a [u16] {
         self.attributes
     }
 
-    /// The attribute word of `node` (numbered over all levels).
+    /// Attribute word `index`: a node's number within its level after [`Level::first`] or
+    /// [`Self::first_leaf`].
     #[inline(always)]
     #[must_use]
-    pub fn attribute(&self, node: u32) -> u32 {
-        u32::from(self.attributes.get(node as usize).copied().unwrap_or(0))
+    pub fn attribute(&self, index: u32) -> u32 {
+        u32::from(self.attributes.get(index as usize).copied().unwrap_or(0))
     }
 
     /// Cells along an axis at `level`, 1 at the root, at most 4096.
@@ -164,6 +174,10 @@ impl<'a> Grid<'a> {
         if subdivisions == 0 || subdivisions > MAX_SUBDIVISIONS || !matches!(byte(1), 6 | 26) {
             return Err(BlobError::Sequence);
         }
+        let first_sampled = usize::from(byte(72));
+        if first_sampled > subdivisions {
+            return Err(BlobError::Section { kind: kind::GRID });
+        }
         let count = |level: usize| u32_at(head, 20 + 4 * level);
         let mut masks = blob.words(kind::MASKS, index)?;
         let mut children = blob.words(kind::CHILDREN, index)?;
@@ -171,6 +185,7 @@ impl<'a> Grid<'a> {
 
         let mut levels = [Level::default(); MAX_SUBDIVISIONS];
         let mut cells = 1;
+        let mut inner = 0u32;
         let mut first = 0u32;
         for (l, level) in levels.iter_mut().take(subdivisions).enumerate() {
             let rho = byte(8 + l);
@@ -180,7 +195,7 @@ impl<'a> Grid<'a> {
             }
             let nodes = count(l);
             let n = nodes as usize;
-            // The sum below must not wrap; attributes of 2 bytes bound it anyway.
+            // The sums below must not wrap; masks and attributes bound them anyway.
             if nodes == 0 || nodes > 1 << 30 {
                 return Err(BlobError::Section { kind: kind::GRID });
             }
@@ -204,9 +219,12 @@ impl<'a> Grid<'a> {
                 bases,
                 offsets: offsets.get(..n).unwrap_or_default(),
             };
-            first = first
+            inner = inner
                 .checked_add(nodes)
                 .ok_or(BlobError::Section { kind: kind::GRID })?;
+            if l >= first_sampled {
+                first += nodes;
+            }
         }
         let leaves = count(subdivisions);
         let attributes: &[u16] = bytemuck::try_cast_slice(blob.required(kind::ATTRIBUTES, index)?)
@@ -228,6 +246,10 @@ impl<'a> Grid<'a> {
             separation: byte(1),
             layout,
             levels,
+            first_sampled,
+            nodes: inner
+                .checked_add(leaves)
+                .ok_or(BlobError::Section { kind: kind::GRID })?,
             leaves,
             attributes,
         })

@@ -138,6 +138,7 @@ impl<'a> Blob<'a> {
         if blob.grids == 0 {
             return Err(BlobError::MissingSection { kind: kind::GRID });
         }
+        blob.check_owners()?;
         Ok(blob)
     }
 
@@ -161,6 +162,12 @@ impl<'a> Blob<'a> {
         } else {
             None
         }
+    }
+
+    /// All grids, in the order of their indices: the same model in other cells, say.
+    pub fn grids(&self) -> impl Iterator<Item = Grid<'a>> + use<'a> {
+        let blob = *self;
+        (0..self.grids).filter_map(move |index| blob.grid(index))
     }
 
     /// The materials, 1 to 8.
@@ -220,6 +227,23 @@ impl<'a> Blob<'a> {
                 return Err(BlobError::Section { kind });
             }
             end = offset + length;
+        }
+        Ok(())
+    }
+
+    /// Each part of a grid belongs to one that is there, and no section is there twice.
+    fn check_owners(&self) -> Result<(), BlobError> {
+        let known = kind::GRID..=kind::MATERIALS;
+        for section in self.sections().filter(|s| known.contains(&s.kind)) {
+            let owners = if section.kind == kind::MATERIALS {
+                1
+            } else {
+                self.grids
+            };
+            let same = |s: &Section<'_>| (s.kind, s.grid) == (section.kind, section.grid);
+            if section.grid >= owners || self.sections().filter(same).count() != 1 {
+                return Err(BlobError::Section { kind: section.kind });
+            }
         }
         Ok(())
     }

@@ -13,19 +13,22 @@ mod disc;
 pub mod footprint;
 mod order;
 mod project;
+mod stamp;
+mod tones;
 mod traverse;
 mod view;
 mod visibility;
 
+pub use tones::{Tones, tone_words};
 pub use traverse::draw;
 pub use view::{View, ViewError};
-pub use visibility::{EyeOrder, Rect, Shape, Visibility, ZBuffer};
+pub use visibility::{EyeOrder, Rect, Shape, Stamp, Visibility, ZBuffer};
 
 use crate::blob::Grid;
 use crate::frame::Frame;
 use crate::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
 use crate::reciprocal::{Divide, Table};
-use crate::shading::Shading;
+use crate::shading::{Shade, Shading};
 use footprint::{Disc, Footprint, PixelCentre, Point, Splat};
 
 /// What a visibility method remembers about each pixel; a board has what its modes need.
@@ -81,7 +84,7 @@ pub fn draw_seen<V: Visibility>(
     mode: Mode,
     grid: &Grid<'_>,
     view: &View,
-    shading: &Shading<'_>,
+    shading: &impl Shade,
     target: &mut V,
 ) {
     match mode.footprint {
@@ -96,7 +99,7 @@ fn draw_shaped<V: Visibility, F: Footprint>(
     mode: Mode,
     grid: &Grid<'_>,
     view: &View,
-    shading: &Shading<'_>,
+    shading: &impl Shade,
     target: &mut V,
 ) {
     match mode.reciprocal {

@@ -17,16 +17,19 @@
 //! no projection (a division by next to nothing), so that nothing overflows, nothing in view is
 //! lost and nothing small looks large.
 
+use core::marker::PhantomData;
+
 use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
 use super::order::{self, List, Order};
 use super::project::{Bounds, Homogeneous, OverW};
+use super::stamp::{self, Stamps};
 use super::view::{Half, LevelView, Slabs, Step, Steps, View};
 use super::visibility::{Rect, Visibility};
 use crate::blob::format::MAX_SUBDIVISIONS;
 use crate::blob::{Grid, Level};
 use crate::reciprocal::Reciprocal;
-use crate::shading::Shading;
+use crate::shading::Shade;
 
 /// A cell whose subcells are being visited.
 #[derive(Clone, Copy, Debug)]
@@ -118,11 +121,92 @@ struct Parent {
     mask: [u32; 4],
 }
 
-struct Walk<'g, 'v, V> {
+struct Walk<'g, 'v, V, S> {
     grid: &'g Grid<'g>,
     view: &'v View,
-    shading: &'v Shading<'v>,
+    shading: &'v S,
     target: &'v mut V,
+}
+
+/// The children of an open cell, all divided by 3, whose subcells are stamped.
+struct Block<'a, 'g, R> {
+    view: &'a View,
+    open: &'a Open,
+    /// The open cell's level.
+    nodes: &'a Level<'g>,
+    /// The parents' level.
+    below: &'a Level<'g>,
+    displacements: &'a [Homogeneous],
+    /// Of the parents' children's level.
+    words: &'g [u16],
+    /// The eye's slab among all subcells of all children.
+    eye: [i32; 3],
+    reciprocal: PhantomData<R>,
+}
+
+impl<R: Reciprocal> Block<'_, '_, R> {
+    #[inline(always)]
+    fn parent(&self, subcell: u32, rank: u32, [i, j, k]: [i32; 3]) -> Option<stamp::Parent<'_>> {
+        let view = self.view;
+        let (mx, my) = (view.width << 7, view.height << 7);
+        let d = self.displacements.get(subcell as usize)?;
+        let centre = self.open.centre.plus(*d);
+        let over = OverW::new::<R>(centre.w, view.k);
+        let node = self.open.first_child + rank;
+        let [ex, ey, ez] = self.eye;
+        let [mask, ..] = self.below.mask::<3>(node);
+        Some(stamp::Parent {
+            x: over.times(centre.x) + mx,
+            y: over.times(centre.y) + my,
+            w: centre.w,
+            mask,
+            words: self.words,
+            first: self.below.first_child(node) as usize,
+            descending: [ex - 3 * i > 1, ey - 3 * j > 1, ez - 3 * k > 1],
+        })
+    }
+}
+
+impl<R: Reciprocal> stamp::Parents for Block<'_, '_, R> {
+    #[inline(always)]
+    fn each(&self, mut stamp: impl FnMut(&stamp::Parent<'_>)) {
+        let open = self.open;
+        if open.count > 0 {
+            for &subcell in open.list.iter().take(usize::from(open.count)) {
+                let rank = order::rank(&open.mask, subcell);
+                let place = order::place(self.nodes.rho, subcell);
+                if let Some(parent) = self.parent(subcell.into(), rank, place) {
+                    stamp(&parent);
+                }
+            }
+            return;
+        }
+        let [mask, ..] = open.mask;
+        let [dx, dy, dz] = self.eye.map(|e| e > 5);
+        let order = stamp::Order::new([dx, dy]);
+        let (low, mid, high) = (
+            order.cells(mask),
+            order.cells(mask >> 9),
+            order.cells(mask >> 18),
+        );
+        let ranks = [0, low.1, low.1 + mid.1];
+        let planes = [(low, 0, ranks[0]), (mid, 1, ranks[1]), (high, 2, ranks[2])];
+        let [a, b, c] = planes;
+        let (a, c) = if dz { (c, a) } else { (a, c) };
+        for ((cells, count), k, ranks) in [a, b, c] {
+            for at in 0..count {
+                let at = if order.backwards { count - 1 - at } else { at };
+                let entry = u32::from(cells.get(at).copied().unwrap_or(0));
+                let (cell, rank) = (entry & 15, entry >> 4);
+                let j = (cell * 11) >> 5;
+                let place = [(cell - 3 * j) as i32, j as i32, k];
+                let subcell = cell + 9 * k as u32;
+                if let Some(parent) = self.parent(subcell, rank + ranks as u32, place) {
+                    stamp(&parent);
+                }
+            }
+        }
+    }
 }
 
 /// Draws `grid` as `view` (prepared for it) sees it.
@@ -131,7 +215,7 @@ struct Walk<'g, 'v, V> {
 pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
     grid: &Grid<'_>,
     view: &View,
-    shading: &Shading<'_>,
+    shading: &impl Shade,
     target: &mut V,
 ) {
     Walk {
@@ -143,7 +227,7 @@ pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
     .run::<F, R>();
 }
 
-impl<'v, V: Visibility> Walk<'_, 'v, V> {
+impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
     fn run<F: Footprint, R: Reciprocal>(&mut self) {
         let mut stack = [Open::NONE; MAX_SUBDIVISIONS];
         let Some(root) = self.root::<R>() else {
@@ -209,6 +293,13 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             return false;
         };
         let children = self.level(level + 1);
+        open.centre = cell.centre;
+        open.place = cell.place;
+        open.first_child = nodes.first_child(cell.node);
+        open.next = 0;
+        if F::DISCS && self.stamped::<R>(open, &cell, level) {
+            return false;
+        }
         let eye = self.eye_slab(children, cell.place, i32::from(nodes.rho));
         open.mask = match nodes.rho {
             2 => open.order::<2>(nodes, cell.node, eye),
@@ -216,10 +307,6 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             4 => open.order::<4>(nodes, cell.node, eye),
             _ => open.order::<5>(nodes, cell.node, eye),
         };
-        open.centre = cell.centre;
-        open.place = cell.place;
-        open.first_child = nodes.first_child(cell.node);
-        open.next = 0;
 
         let own = Half {
             x: cell.bounds.half_x,
@@ -261,10 +348,10 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             return true;
         }
         let rho = i32::from(nodes.rho);
+        let bounds = &cell.bounds;
         let Some(group) = self.group::<F, R>(level, level + 2, axis, own, w, rho) else {
             return true;
         };
-        let bounds = &cell.bounds;
         match below.rho {
             2 => self.block::<F, R, 2>(open, half, level, &group, bounds),
             3 => self.block::<F, R, 3>(open, half, level, &group, bounds),
@@ -394,6 +481,80 @@ impl<'v, V: Visibility> Walk<'_, 'v, V> {
             };
             self.samples::<F, RHO>(&from, level + 1, Order::new(eye), &stencil);
         }
+    }
+
+    /// Stamps the grandchildren of a cell of `level`, if it is a block and can be stamped.
+    #[inline(never)]
+    fn stamped<R: Reciprocal>(&mut self, open: &mut Open, cell: &Cell, level: usize) -> bool {
+        let Some([nodes, below]) = self
+            .grid
+            .levels()
+            .get(level..level + 2)
+            .and_then(|l| l.first_chunk())
+        else {
+            return false;
+        };
+        let view = self.view;
+        let (outer, inner) = (self.level(level), self.level(level + 2));
+        let (w, bounds) = (cell.centre.w, &cell.bounds);
+        let dw = outer.half.w;
+        let leaves = level + 2 == self.grid.subdivisions();
+        let nearest = w - dw;
+        if below.rho != 3
+            || !(leaves || inner.stop_w <= nearest)
+            || self.level(level + 1).stop_w <= w + dw
+            || nearest < view.near
+        {
+            return false;
+        }
+        let side = view.side::<R>(inner, w);
+        let reach = Stamps::overhang(side);
+        if !self.is_inside(bounds, Half { x: reach, y: reach }) {
+            return false;
+        }
+        let rho = i32::from(nodes.rho);
+        let (mx, my) = self.middle();
+        let axis = [bounds.x - mx, bounds.y - my];
+        // A parent's place is exact; within it, a sample stands off by the part of a step by which
+        // the parent's depth differs from the block's: an eighth of a pixel at most.
+        if w >> 3 < dw {
+            return false;
+        }
+        let steps = view.steps_at::<R>(inner, axis, w);
+        let layout = self.grid.layout();
+        let own = bounds.half_x.max(bounds.half_y);
+        let Some(stamps) = Stamps::new(view, layout, &steps, axis, own, side) else {
+            return false;
+        };
+        // The lists of planes serve a cell divided by 3 that is seen from outside its middle slabs.
+        let eye = self.eye_slab(self.level(level + 1), cell.place, rho);
+        if rho == 3 && !eye.contains(&1) {
+            open.mask = nodes.mask::<3>(cell.node);
+            open.count = 0;
+        } else {
+            open.mask = match rho {
+                2 => open.order::<2>(nodes, cell.node, eye),
+                3 => open.order::<3>(nodes, cell.node, eye),
+                4 => open.order::<4>(nodes, cell.node, eye),
+                _ => open.order::<5>(nodes, cell.node, eye),
+            };
+        }
+        let parents = Block {
+            view,
+            open,
+            nodes,
+            below,
+            displacements: view.displacements(outer),
+            words: self
+                .grid
+                .attributes()
+                .get(self.first(level + 2) as usize..)
+                .unwrap_or_default(),
+            eye: self.eye_slab(inner, open.place.map(|p| p * rho), 3),
+            reciprocal: PhantomData::<R>,
+        };
+        stamps.stamp(self.target, &parents, self.shading);
+        true
     }
 
     /// Draws all children of a cell of `level`.

@@ -5,6 +5,7 @@
 //! that the whole cube stays below 2^29 and as near to it as possible: any camera uses all bits.
 
 use super::project::{Homogeneous, OverW, slack};
+use super::stamp::Classes;
 use crate::blob::Grid;
 use crate::blob::format::MAX_SUBDIVISIONS;
 use crate::camera::Camera;
@@ -15,7 +16,7 @@ use crate::reciprocal::Reciprocal;
 /// an axis.
 const MAX_DISPLACEMENTS: usize = 5 * 125;
 
-/// The tables of a frame, about 8 kB: one a board is enough.
+/// The tables of a frame, about 13 kB: one a board is enough.
 #[derive(Clone, Debug)]
 pub struct View {
     pub(super) root: Homogeneous,
@@ -33,6 +34,10 @@ pub struct View {
     displacements: [Homogeneous; MAX_DISPLACEMENTS],
     /// log2 of W's unit: W = 2^this is a cube's side.
     w_bits: u32,
+    /// 2^17 over the focal length in pixels.
+    over_focal: i32,
+    /// Normals as the eye sees them; filled for grids whose samples have offsets.
+    pub(super) classes: Classes,
 }
 
 /// What the view knows of the cells of one level.
@@ -46,6 +51,8 @@ pub(super) struct LevelView {
     pub(super) stop_w: i32,
     /// The eye's cell along each axis, -1 or the number of cells when it is outside.
     pub(super) eye: [i32; 3],
+    /// A cell's side in the unit of X.
+    pub(super) side: i32,
     /// Where its children's displacements begin, and how many there are.
     children: (usize, usize),
 }
@@ -55,6 +62,7 @@ impl LevelView {
         half_edges: [Homogeneous::ZERO; 3],
         half: Homogeneous::ZERO,
         stop_w: 0,
+        side: 0,
         eye: [0; 3],
         children: (0, 0),
     };
@@ -164,6 +172,8 @@ impl View {
             levels: [LevelView::NONE; MAX_SUBDIVISIONS + 1],
             displacements: [Homogeneous::ZERO; MAX_DISPLACEMENTS],
             w_bits: 0,
+            over_focal: 0,
+            classes: Classes::empty(),
         }
     }
 
@@ -222,6 +232,10 @@ impl View {
         self.near = 1 << 31u32.saturating_sub(self.k).min(29);
         self.width = i32::from(camera.width);
         self.height = i32::from(camera.height);
+        self.over_focal = i32::try_from((1 << 29) / focal).unwrap_or(i32::MAX);
+        if grid.layout().offset > 0 {
+            self.classes.turn(camera);
+        }
         self.slack = slack(128 * self.width.max(self.height));
         self.root = Homogeneous {
             x: shift(centre_x, drop),
@@ -260,8 +274,14 @@ impl View {
             let entry = LevelView {
                 half_edges,
                 half,
-                stop_w: self.stop_w(half.x.max(half.y), cell_size),
+                stop_w: if level < grid.first_sampled() {
+                    // Without samples of their own its cells are opened, however small.
+                    i32::MAX
+                } else {
+                    self.stop_w(half.x.max(half.y), cell_size)
+                },
                 eye: eye.map(|e| ((e * cells) >> 30).clamp(-1, cells) as i32),
+                side: shift((focal << 30) / cells, drop + 10),
                 children: (first, rho.pow(3) as usize),
             };
             if let Some(slot) = self.levels.get_mut(level) {
@@ -295,6 +315,19 @@ impl View {
             first = at;
         }
         Ok(())
+    }
+
+    /// The tangent of the angle between the optical axis and what is projected to `x` (Q8 from the
+    /// axis), 512 to the unit, rounded down.
+    #[inline(always)]
+    pub(super) fn tangent(&self, x: i32) -> i32 {
+        ((i64::from(x) * i64::from(self.over_focal)) >> 16) as i32
+    }
+
+    /// The side of a cell of `level` at depth `w`, Q16.
+    #[inline(always)]
+    pub(super) fn side<R: Reciprocal>(&self, level: &LevelView, w: i32) -> i32 {
+        OverW::new::<R>(w, self.k).times_q16(level.side)
     }
 
     /// W of a distance of one side of the cube along the optical axis: `2^bits`.
@@ -377,17 +410,9 @@ impl View {
         if w >> 3 < 3 * block.half.w || own.x.max(own.y) >= 1 << 20 {
             return None;
         }
-        let over = OverW::new::<R>(w, self.k);
-        let mut steps = [Step::default(); 3];
+        let steps = self.steps_at::<R>(cells, [x, y], w);
         let mut sum = Step::default();
-        for (step, e) in steps.iter_mut().zip(&cells.half_edges) {
-            // Differences of points of the cube, so they fit.
-            let of =
-                |e: i32, x: i32, w: i32| over.times_q16((i64::from(e) - self.per_w(x, w)) as i32);
-            *step = Step {
-                x: 2 * of(e.x, x, e.w),
-                y: 2 * of(e.y, y, e.w),
-            };
+        for step in &steps {
             sum.x += step.x.abs();
             sum.y += step.y.abs();
         }
@@ -405,6 +430,27 @@ impl View {
                 x: half(sum.x, own.x),
                 y: half(sum.y, own.y),
             },
+        })
+    }
+
+    /// The steps between cells whose half edges are those of `cells`, at the place (x, y) (Q8 from the
+    /// axis) and depth `w`, to first order, Q16.
+    #[inline(always)]
+    pub(super) fn steps_at<R: Reciprocal>(
+        &self,
+        cells: &LevelView,
+        [x, y]: [i32; 2],
+        w: i32,
+    ) -> [Step; 3] {
+        let over = OverW::new::<R>(w, self.k);
+        cells.half_edges.map(|e| {
+            // Differences of points of the cube, so they fit.
+            let of =
+                |e: i32, x: i32, w: i32| over.times_q16((i64::from(e) - self.per_w(x, w)) as i32);
+            Step {
+                x: 2 * of(e.x, x, e.w),
+                y: 2 * of(e.y, y, e.w),
+            }
         })
     }
 

@@ -58,6 +58,58 @@ pub trait Visibility {
             }
         }
     }
+
+    /// Whether a pixel may still show what is drawn next; pixels beyond the frame may not.
+    #[inline(always)]
+    fn is_open(&self, x: u32, y: u32) -> bool {
+        !self.is_hidden(Rect::pixel(x, y))
+    }
+
+    /// A pixel, also one beyond the frame, from which [`Stamp`]s count.
+    #[inline(always)]
+    fn corner(&self, x: i32, y: i32) -> u32 {
+        x as u32 & 0xFFFF | (y as u32) << 16
+    }
+
+    /// Draws a sample, where it shows, over the pixels that a mask of 4 x 4 names: bit `4 j + i` for
+    /// the pixel i to the right of the stamp's first one and j below it. Bits from row `ROWS` on are
+    /// 0; so are those of pixels beyond the frame.
+    #[inline(always)]
+    fn stamp<const ROWS: usize>(
+        &mut self,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
+        colour: impl Fn() -> u16,
+    ) {
+        let x = i32::from(stamp.corner as i16) + stamp.x as i32;
+        let y = ((stamp.corner as i32) >> 16) + stamp.y as i32;
+        let middle = ROWS as i32 / 2;
+        if stamp.away && !self.is_open((x + middle) as u32, (y + middle) as u32) {
+            return;
+        }
+        let mut left = mask();
+        while left != 0 {
+            let bit = left.trailing_zeros();
+            left &= left - 1;
+            let (x, y) = (x + (bit % 4) as i32, y + (bit / 4) as i32);
+            self.draw(Rect::pixel(x as u32, y as u32), stamp.w, &colour);
+        }
+    }
+}
+
+/// Where and how a mask is laid.
+#[derive(Clone, Copy, Debug)]
+pub struct Stamp {
+    /// What [`Visibility::corner`] said.
+    pub corner: u32,
+    /// The mask's first pixel, to the right of the corner.
+    pub x: u32,
+    /// And below it.
+    pub y: u32,
+    /// The sample faces away: it shows only where the pixel in the mask's middle is open.
+    pub away: bool,
+    /// Its distance along the optical axis, as [`Visibility::draw`] takes it.
+    pub w: i32,
 }
 
 /// A set of pixels, asked row by row.

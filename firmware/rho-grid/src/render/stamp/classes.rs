@@ -1,0 +1,123 @@
+//! Normals as the eye sees them, once a frame.
+//!
+//! The 8,192 normals of attribute words are drawn as 512 classes, the faces two refinements above
+//! them: a normal's class is the upper nine bits of its index. (Colours take all of a normal.)
+
+use super::{entry, mask};
+use crate::camera::Camera;
+use crate::normal::{BITS, FACES};
+
+/// Bits of a class.
+const CLASS_BITS: u32 = 9;
+/// Number of classes.
+pub(super) const CLASSES: usize = 1 << CLASS_BITS;
+/// Classes of an octant.
+const FACES_A_OCTANT: usize = CLASSES / 8;
+/// Bits of a normal that its class does not tell.
+pub(super) const FINER: u32 = BITS - CLASS_BITS;
+
+/// A class of normals in eye space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Class {
+    /// x to the right and y down, 32 to the unit: x + 65536 y.
+    pub(super) across: u32,
+    /// z towards the eye, 2^30 to the unit, but for its lower half: the direction of (x, y).
+    pub(super) towards: u32,
+}
+
+/// All classes, 4 kB.
+#[derive(Clone, Debug)]
+pub(in crate::render) struct Classes([Class; CLASSES]);
+
+impl Classes {
+    /// Not yet filled.
+    pub(in crate::render) const fn empty() -> Self {
+        let none = Class {
+            across: 0,
+            towards: 0,
+        };
+        Self([none; CLASSES])
+    }
+
+    /// Turns all classes into the camera's eye space.
+    ///
+    /// The octants mirror each other: the nine products of a face serve eight classes, and of
+    /// opposite normals one follows from the other.
+    pub(in crate::render) fn turn(&mut self, camera: &Camera) {
+        // Q14.
+        let rotation = camera.rotation.map(|row| row.map(|v| v.to_bits() >> 16));
+        let [right, up, back] = rotation;
+        let down = up.map(|v| -v);
+        let (front, opposite) = self.0.split_at_mut(CLASSES / 2);
+        for (face, [x, y, z]) in FACES.iter().step_by(1 << FINER).enumerate() {
+            let [x, y, z] = [*x, *y, *z].map(i32::from);
+            // Q28; the four sums of positive x, by the octant's two lower bits.
+            let sums = |[a, b, c]: [i32; 3]| {
+                let (a, b, c) = (a * x, b * y, c * z);
+                [a + b + c, a + b - c, a - b + c, a - b - c]
+            };
+            let (xs, ys, zs) = (sums(right), sums(down), sums(back));
+            let octants = xs.into_iter().zip(ys).zip(zs);
+            let front = front.iter_mut().skip(face).step_by(FACES_A_OCTANT);
+            let opposite = opposite.iter_mut().skip(face).step_by(FACES_A_OCTANT).rev();
+            for ((((x, y), z), class), opposite) in octants.zip(front).zip(opposite) {
+                let across = |v: i32| ((v + (1 << 22)) >> 23) as u32;
+                let across = across(x).wrapping_add(across(y) << 16);
+                let direction = mask::direction(x >> 14, y >> 14);
+                let towards = |z: i32| ((z << 2) as u32 & 0xFFFF_0000) | direction;
+                *class = Class {
+                    across,
+                    towards: towards(z),
+                };
+                *opposite = Class {
+                    across: 0u32.wrapping_sub(across),
+                    towards: towards(-z),
+                };
+            }
+        }
+    }
+
+    /// The class of the normal `index`.
+    #[inline(always)]
+    pub(super) fn of(&self, index: u32) -> Class {
+        entry(&self.0, index >> FINER)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::normal::normal;
+    use crate::q::{Focal, Length, Rotation};
+    extern crate std;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_class_is_its_normal_in_eye_space(
+            yaw in -3.2..3.2f64, pitch in -1.5..1.5f64, index in 0..8192u32
+        ) {
+            let ((sy, cy), (sp, cp)) = (yaw.sin_cos(), pitch.sin_cos());
+            let rows = [[cy, 0.0, -sy], [-sy * sp, cp, -cy * sp], [sy * cp, sp, cy * cp]];
+            let bits = |v: f64| Rotation::from_bits((v * 1_073_741_823.0) as i32);
+            let camera = Camera {
+                rotation: rows.map(|row| row.map(bits)),
+                translation: [Length::ZERO; 3],
+                focal: Focal::ONE,
+                width: 1,
+                height: 1,
+            };
+            let mut classes = Classes::empty();
+            classes.turn(&camera);
+            let class = classes.of(index);
+            let n = normal(index >> FINER << FINER).map(|c| f64::from(c.to_bits()) / 16384.0);
+            let eye = rows.map(|r| r[0] * n[0] + r[1] * n[1] + r[2] * n[2]);
+            let x = f64::from(class.across as i16);
+            let y = (f64::from(class.across as i32) - x) / 65536.0;
+            prop_assert!((x / 32.0 - eye[0]).abs() < 0.017);
+            prop_assert!((y / 32.0 + eye[1]).abs() < 0.017);
+            let z = f64::from(class.towards as i32) / f64::from(1 << 30);
+            prop_assert!((z - eye[2]).abs() < 3e-4);
+        }
+    }
+}

@@ -1,0 +1,439 @@
+//! Which of 4 x 4 pixels a small disc holds, from tables.
+//!
+//! A disc in space is an ellipse on the screen: as long as the disc is wide, and as broad as that
+//! times the cosine `c` between its normal and the line of sight. Here it is the circle of its radius
+//! cut by a strip: by two lines along the ellipse, `c` radii from its centre on either side.
+//! That is exact seen from the front and from the edge, where silhouettes are decided, and a little
+//! too full at the ellipse's ends between; in return no multiplication depends on the pixel.
+//!
+//! A mask has a bit a pixel: bit `4 y + x` for column x of row y.
+//!
+//! ```text
+//! window   ROWS pixels high and wide (2, 3, 4), the disc's centre within half a pixel of its middle
+//! strip    HALF_PLANES[direction][t + h] and not HALF_PLANES[direction][t - h - 1]
+//! circle   CIRCLES[level][place of the centre within a pixel]
+//! ```
+
+use super::entry;
+use crate::render::visibility::{Stamp, Visibility};
+
+/// Directions across the strip, half a turn in equal parts.
+pub(super) const DIRECTIONS: usize = 16;
+
+/// x and y of each direction in sixteenths; their lengths are 1 to a part in 30.
+const AXES: [(i32, i32); DIRECTIONS] = [
+    (16, 0),
+    (16, 3),
+    (15, 6),
+    (13, 9),
+    (11, 11),
+    (9, 13),
+    (6, 15),
+    (3, 16),
+    (0, 16),
+    (-3, 16),
+    (-6, 15),
+    (-9, 13),
+    (-11, 11),
+    (-13, 9),
+    (-15, 6),
+    (-16, 3),
+];
+
+/// Places of a line, sixteenths of a pixel, of each direction.
+const PLACES: usize = 256;
+/// The line of place `ORIGIN` passes the first pixel's centre.
+const ORIGIN: i32 = 96;
+
+/// `[direction * PLACES + place]`: the pixels on one side of a line, those on it included.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+static HALF_PLANES: [u16; DIRECTIONS * PLACES] = {
+    let mut masks = [0; DIRECTIONS * PLACES];
+    let mut d = 0;
+    while d < DIRECTIONS {
+        let (ax, ay) = AXES[d];
+        let mut place = 0;
+        while place < PLACES {
+            let mut bit = 0;
+            while bit < 16 {
+                let along = (bit % 4) * ax + (bit / 4) * ay;
+                if along <= place as i32 - ORIGIN {
+                    masks[d * PLACES + place] |= 1 << bit;
+                }
+                bit += 1;
+            }
+            place += 1;
+        }
+        d += 1;
+    }
+    masks
+};
+
+/// A direction, ready to find a disc's strip.
+#[derive(Clone, Copy, Debug)]
+struct Direction {
+    /// y and x (the upper half) in sixteenths.
+    across: u32,
+    /// Index of the place of the window's own origin.
+    base: u32,
+}
+
+/// `[ROWS - 2][direction]`.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+static WINDOWS: [[Direction; DIRECTIONS]; 3] = {
+    let none = Direction { across: 0, base: 0 };
+    let mut windows = [[none; DIRECTIONS]; 3];
+    let mut rows = 0;
+    while rows < 3 {
+        let mut d = 0;
+        while d < DIRECTIONS {
+            let (ax, ay) = AXES[d];
+            // The centre lies rows / 2 pixels beyond the first pixel's centre, and the part of a
+            // pixel that is added when drawing.
+            let base = d as i32 * PLACES as i32 + ORIGIN + (ax + ay) * rows as i32 / 2;
+            windows[rows][d] = Direction {
+                across: (ay as u32).wrapping_add((ax as u32) << 16),
+                base: base as u32,
+            };
+            d += 1;
+        }
+        rows += 1;
+    }
+    windows
+};
+
+/// Radii for which there are circles.
+const LEVELS: usize = 26;
+/// The least radius, 256 to the pixel; each level is a thirteenth larger than the one before.
+const LEAST: u32 = 84;
+/// The first level whose circle may hold three pixels a row, and the first with four.
+const THREES: usize = level_above(256);
+const FOURS: usize = level_above(384);
+/// The largest radius that has a mask, 256 to the pixel.
+pub(super) const LARGEST: u32 = radius(LEVELS - 1);
+
+const fn radius(level: usize) -> u32 {
+    // 2^16 to the pixel on the way.
+    let mut r = LEAST << 8;
+    let mut l = 0;
+    while l < level {
+        r += r / 13;
+        l += 1;
+    }
+    r >> 8
+}
+
+const fn level_above(r: u32) -> usize {
+    let mut level = 0;
+    while radius(level) < r {
+        level += 1;
+    }
+    level
+}
+
+/// Whether the window's pixel is within the circle; all in 2^-9 pixels.
+const fn is_within(radius: u32, centre: (i32, i32), pixel: (i32, i32)) -> bool {
+    let (dx, dy) = (pixel.0 * 512 - centre.0, pixel.1 * 512 - centre.1);
+    dx * dx + dy * dy <= (4 * radius * radius) as i32
+}
+
+/// The circle's mask when its centre is at `place` of `parts` x `parts` within a pixel.
+const fn circle(level: usize, rows: i32, parts: i32, place: i32) -> u16 {
+    let step = 512 / parts;
+    let centre = (
+        (rows - 2) * 256 + place % parts * step + step / 2,
+        (rows - 2) * 256 + place / parts * step + step / 2,
+    );
+    let mut mask = 0;
+    let mut bit = 0;
+    while bit < 16 {
+        let pixel = (bit % 4, bit / 4);
+        if pixel.0 < rows && pixel.1 < rows && is_within(radius(level), centre, pixel) {
+            mask |= 1 << bit;
+        }
+        bit += 1;
+    }
+    mask
+}
+
+/// Circles of two rows, at 16 x 16 places: their pixels are few, so that places count.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+static SMALL: [[u8; 256]; THREES] = {
+    let mut masks = [[0; 256]; THREES];
+    let mut level = 0;
+    while level < THREES {
+        let mut place = 0;
+        while place < 256 {
+            masks[level][place] = circle(level, 2, 16, place as i32) as u8;
+            place += 1;
+        }
+        level += 1;
+    }
+    masks
+};
+
+/// Larger circles, at 8 x 8 places.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+static LARGE: [[u16; 64]; LEVELS - THREES] = {
+    let mut masks = [[0; 64]; LEVELS - THREES];
+    let mut level = THREES;
+    while level < LEVELS {
+        let rows = if level < FOURS { 3 } else { 4 };
+        let mut place = 0;
+        while place < 64 {
+            masks[level - THREES][place] = circle(level, rows, 8, place as i32);
+            place += 1;
+        }
+        level += 1;
+    }
+    masks
+};
+
+/// `[radius / 16]` (256 to the pixel): the level of the nearest radius.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+static LEVEL_OF: [u8; LARGEST as usize / 16 + 1] = {
+    let mut levels = [0; LARGEST as usize / 16 + 1];
+    let mut i = 0;
+    while i < levels.len() {
+        let r = i as u32 * 16 + 8;
+        let mut level = 0;
+        while level + 1 < LEVELS && (radius(level) + radius(level + 1)) / 2 < r {
+            level += 1;
+        }
+        levels[i] = level as u8;
+        i += 1;
+    }
+    levels
+};
+
+/// The circle of discs of one radius.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Circle {
+    /// Two rows at most.
+    Two(&'static [u8; 256]),
+    /// Three.
+    Three(&'static [u16; 64]),
+    /// Four.
+    Four(&'static [u16; 64]),
+}
+
+impl Circle {
+    /// For a radius of `r` (256 to the pixel); `None` when it is above [`LARGEST`].
+    pub(super) fn of(r: u32) -> Option<Self> {
+        let level = usize::from(*LEVEL_OF.get(r as usize / 16)?);
+        match level.checked_sub(THREES) {
+            None => SMALL.get(level).map(Self::Two),
+            Some(large) => {
+                let circle = LARGE.get(large)?;
+                Some(if level < FOURS {
+                    Self::Three(circle)
+                } else {
+                    Self::Four(circle)
+                })
+            }
+        }
+    }
+}
+
+/// A circle of known rows.
+pub(super) trait Round: Copy {
+    /// Rows and columns of its window: its centre lies `ROWS / 2` pixels from the window's edge, and
+    /// a part of a pixel.
+    const ROWS: usize;
+
+    /// The mask at the centre `parts`: its part of a pixel beyond that, 1024 to the pixel, x in the
+    /// lower half and y in the upper.
+    fn mask(self, parts: u32) -> u32;
+
+    /// Stamps a mask of that many rows.
+    fn stamp<V: Visibility>(
+        target: &mut V,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
+        colour: impl Fn() -> u16,
+    );
+}
+
+/// A circle of two rows.
+#[derive(Clone, Copy)]
+pub(super) struct Two(pub(super) &'static [u8; 256]);
+/// A circle of three rows.
+#[derive(Clone, Copy)]
+pub(super) struct Three(pub(super) &'static [u16; 64]);
+/// A circle of four rows.
+#[derive(Clone, Copy)]
+pub(super) struct Four(pub(super) &'static [u16; 64]);
+
+impl Round for Two {
+    const ROWS: usize = 2;
+
+    #[inline(always)]
+    fn stamp<V: Visibility>(
+        target: &mut V,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
+        colour: impl Fn() -> u16,
+    ) {
+        target.stamp::<2>(stamp, mask, colour);
+    }
+
+    #[inline(always)]
+    fn mask(self, parts: u32) -> u32 {
+        // Four bits of each.
+        let place = parts >> 6 & 15 | (parts >> 22 & 15) << 4;
+        u32::from(entry(self.0, place))
+    }
+}
+
+/// Three bits of each.
+#[inline(always)]
+fn large(table: &'static [u16; 64], parts: u32) -> u32 {
+    let place = parts >> 7 & 7 | (parts >> 23 & 7) << 3;
+    u32::from(entry(table, place))
+}
+
+impl Round for Three {
+    const ROWS: usize = 3;
+
+    #[inline(always)]
+    fn stamp<V: Visibility>(
+        target: &mut V,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
+        colour: impl Fn() -> u16,
+    ) {
+        target.stamp::<3>(stamp, mask, colour);
+    }
+
+    #[inline(always)]
+    fn mask(self, parts: u32) -> u32 {
+        large(self.0, parts)
+    }
+}
+
+impl Round for Four {
+    const ROWS: usize = 4;
+
+    #[inline(always)]
+    fn stamp<V: Visibility>(
+        target: &mut V,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
+        colour: impl Fn() -> u16,
+    ) {
+        target.stamp::<4>(stamp, mask, colour);
+    }
+
+    #[inline(always)]
+    fn mask(self, parts: u32) -> u32 {
+        large(self.0, parts)
+    }
+}
+
+/// The mask of a disc: `parts` as [`Round::mask`] has them, `direction` that of its normal on the
+/// screen, `half` the strip's half width in sixteenths of a pixel.
+#[inline(always)]
+pub(super) fn disc<C: Round>(circle: C, parts: u32, direction: u32, half: u32) -> u32 {
+    let [two, three, four] = &WINDOWS;
+    let directions = match C::ROWS {
+        2 => two,
+        3 => three,
+        _ => four,
+    };
+    let direction = entry(directions, direction);
+    // x ax + y ay in the upper half: the lower one, x ay, is not negative and does not reach it.
+    // Rounded to sixteenths.
+    let along = parts.wrapping_mul(direction.across).wrapping_add(1 << 25) as i32 >> 26;
+    let place = direction.base.wrapping_add(along as u32);
+    let beyond = |place: u32| u32::from(entry(&HALF_PLANES, place));
+    circle.mask(parts)
+        & beyond(place.wrapping_add(half))
+        & !beyond(place.wrapping_sub(half).wrapping_sub(1))
+}
+
+/// The index of the direction nearest to (x, y) or its opposite; (0, 0) gives one too.
+pub(super) fn direction(x: i32, y: i32) -> u32 {
+    let (ax, ay) = (x.unsigned_abs(), y.unsigned_abs());
+    let (large, small) = if ax >= ay { (ax, ay) } else { (ay, ax) };
+    // The tangents of 1, 3, 5 and 7 sixteenths of a quarter turn, times 256.
+    let tangent = (small << 8) / large.max(1);
+    let eighth = match tangent {
+        0..25 => 0,
+        25..78 => 1,
+        78..137 => 2,
+        137..210 => 3,
+        _ => 4,
+    };
+    let quarter = if ax >= ay { eighth } else { 8 - eighth };
+    let opposite = (x ^ y) < 0;
+    if opposite { (16 - quarter) % 16 } else { quarter }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    extern crate std;
+    use proptest::prelude::*;
+
+    fn round(r: u32, parts: u32, direction: u32, half: u32) -> (u32, usize) {
+        match Circle::of(r).unwrap() {
+            Circle::Two(c) => (disc(Two(c), parts, direction, half), 2),
+            Circle::Three(c) => (disc(Three(c), parts, direction, half), 3),
+            Circle::Four(c) => (disc(Four(c), parts, direction, half), 4),
+        }
+    }
+
+    #[test]
+    fn directions_are_found_to_half_a_step() {
+        for degrees in 0..720 {
+            let angle = f64::from(degrees).to_radians() / 2.0;
+            let found = direction((angle.cos() * 1e4) as i32, (angle.sin() * 1e4) as i32);
+            let exact = angle / std::f64::consts::PI * 16.0;
+            let off = (exact - f64::from(found)).rem_euclid(16.0);
+            assert!(off.min(16.0 - off) < 0.53, "{degrees}: {found} {exact}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_mask_holds_the_pixels_of_circle_and_strip_but_those_near_their_edges(
+            r in 80..LARGEST, x in 0..1024u32, y in 0..1024u32,
+            d in 0..16u32, part in 0.0..1.0f64
+        ) {
+            let radius = f64::from(r) / 256.0;
+            let half = part * radius;
+            let (mask, rows) = round(r, x | y << 16, d, (half * 16.0) as u32);
+            let angle = f64::from(d) / 16.0 * std::f64::consts::PI;
+            for bit in 0..16 {
+                let (px, py) = (bit % 4, bit / 4);
+                // From the disc's centre to the pixel's.
+                let middle = (rows as f64 - 2.0) / 2.0;
+                let dx = f64::from(px) - middle - f64::from(x) / 1024.0;
+                let dy = f64::from(py) - middle - f64::from(y) / 1024.0;
+                let across = (dx * angle.cos() + dy * angle.sin()).abs();
+                let inside = half - across;
+                let inside = inside.min(radius - dx.hypot(dy));
+                let set = mask >> bit & 1 == 1;
+                // A part of a pixel, and a part of the size.
+                let near = 0.14 + 0.05 * radius;
+                prop_assert!(inside.abs() < near || set == (inside > 0.0),
+                    "{px} {py} {set} {inside}");
+            }
+        }
+    }
+}

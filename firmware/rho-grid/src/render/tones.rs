@@ -1,0 +1,240 @@
+//! A frame of a byte a pixel, which knows what is covered.
+//!
+//! A tone is a number of the palette, doubled, plus one; an open pixel is 0. So the lowest bit tells
+//! what is covered, four pixels are looked at and written as one word, and a frame needs half the
+//! memory of RGB565 words and no coverage beside it:
+//!
+//! ```text
+//! new = mask and not old       four pixels: 1 in each byte that the sample opens
+//! old + new * tone             the product puts the tone into each of them
+//! ```
+//!
+//! Rows follow each other without gaps. A window of four pixels may stick out of the frame by pixels
+//! that its mask does not name: it then reads and writes back bytes of the rows beside it, or of the
+//! margins before and after the frame.
+
+use super::visibility::{Rect, Stamp, Visibility};
+
+/// The lowest bit of each of four pixels.
+const COVERED: u32 = 0x0101_0101;
+
+/// A frame of tones, `STRIDE` bytes from row to row, for pictures at most so wide. `SPAN` is
+/// `3 * STRIDE + 4`: from the first pixel of a window of four rows to beyond its last.
+#[derive(Debug)]
+pub struct Tones<'a, const STRIDE: usize, const SPAN: usize> {
+    pixels: &'a mut [u8],
+    width: u16,
+    height: u16,
+}
+
+/// Bytes before the first pixel.
+const fn margin(stride: usize) -> usize {
+    2 * stride + 4
+}
+
+/// Words that a frame of `height` rows needs.
+#[must_use]
+pub const fn tone_words(stride: usize, height: u16) -> usize {
+    (2 * margin(stride) + stride * height as usize).div_ceil(4)
+}
+
+impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
+    /// A frame in a buffer of [`tone_words`] words, cleared; `None` when the picture is wider than
+    /// the rows or the buffer too short.
+    #[must_use]
+    pub fn cleared(buffer: &'a mut [u32], width: u16, height: u16) -> Option<Self> {
+        const { assert!(SPAN == 3 * STRIDE + 4) };
+        let buffer = buffer.get_mut(..tone_words(STRIDE, height))?;
+        if usize::from(width) > STRIDE {
+            return None;
+        }
+        let (chunks, rest) = buffer.as_chunks_mut::<8>();
+        for chunk in chunks {
+            *chunk = [0; 8];
+        }
+        rest.fill(0);
+        Some(Self {
+            pixels: bytemuck::cast_slice_mut(buffer),
+            width,
+            height,
+        })
+    }
+
+    /// The pixels, rows from the top.
+    pub fn rows(&self) -> impl Iterator<Item = &[u8]> {
+        let width = usize::from(self.width);
+        let frame = self.pixels.get(margin(STRIDE)..).unwrap_or_default();
+        frame
+            .chunks(STRIDE)
+            .take(self.height.into())
+            .map(move |row| row.get(..width).unwrap_or_default())
+    }
+
+    #[inline(always)]
+    fn at(x: i32, y: i32) -> usize {
+        (y * STRIDE as i32 + x + margin(STRIDE) as i32) as usize
+    }
+}
+
+/// Four pixels.
+#[inline(always)]
+fn word(bytes: [u8; 4]) -> u32 {
+    u32::from_le_bytes(bytes)
+}
+
+/// A mask's row of four bits as the lowest bits of four bytes.
+static SPREAD: [u32; 16] = {
+    let mut words = [0; 16];
+    let mut bits = 0;
+    while bits < 16 {
+        #[allow(
+            clippy::indexing_slicing,
+            reason = "evaluated by the compiler, where an index out of range is an error"
+        )]
+        {
+            words[bits] = (bits & 1 | (bits & 2) << 7 | (bits & 4) << 14 | (bits & 8) << 21) as u32;
+        }
+        bits += 1;
+    }
+    words
+};
+
+#[inline(always)]
+fn spread(bits: u32) -> u32 {
+    SPREAD.get(bits as usize & 15).copied().unwrap_or(0)
+}
+
+impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SPAN> {
+    const FRONT_TO_BACK: bool = true;
+
+    #[inline(always)]
+    fn is_hidden(&self, r: Rect) -> bool {
+        let count = (r.x1 - r.x0 + 1) as usize;
+        let mut at = Self::at(r.x0 as i32, r.y0 as i32);
+        for _ in r.y0..r.y1 + 1 {
+            let row = self.pixels.get(at..at + count).unwrap_or_default();
+            let (words, rest) = row.as_chunks::<4>();
+            let words = words.iter().fold(COVERED, |all, w| all & word(*w));
+            let rest = rest.iter().fold(1, |all, pixel| all & pixel);
+            if words != COVERED || rest == 0 {
+                return false;
+            }
+            at += STRIDE;
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn is_open(&self, x: u32, y: u32) -> bool {
+        let at = Self::at(x as i32, y as i32);
+        self.pixels.get(at).is_some_and(|pixel| pixel & 1 == 0)
+    }
+
+    #[inline(always)]
+    fn draw(&mut self, r: Rect, _w: i32, colour: impl FnOnce() -> u16) {
+        if self.is_hidden(r) {
+            return;
+        }
+        let tone = colour() as u8;
+        let count = (r.x1 - r.x0 + 1) as usize;
+        let mut at = Self::at(r.x0 as i32, r.y0 as i32);
+        for _ in r.y0..r.y1 + 1 {
+            for pixel in self.pixels.get_mut(at..at + count).unwrap_or_default() {
+                if *pixel & 1 == 0 {
+                    *pixel = tone;
+                }
+            }
+            at += STRIDE;
+        }
+    }
+
+    #[inline(always)]
+    fn corner(&self, x: i32, y: i32) -> u32 {
+        Self::at(x, y) as u32
+    }
+
+    #[inline(always)]
+    fn stamp<const ROWS: usize>(
+        &mut self,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
+        colour: impl Fn() -> u16,
+    ) {
+        let from = stamp
+            .corner
+            .wrapping_add(stamp.y * STRIDE as u32 + stamp.x) as usize;
+        let Some(window) = self
+            .pixels
+            .get_mut(from..)
+            .and_then(|from| from.first_chunk_mut::<SPAN>())
+        else {
+            return;
+        };
+        let middle = ROWS / 2 * (STRIDE + 1);
+        if stamp.away && window.get(middle).is_none_or(|pixel| pixel & 1 == 1) {
+            return;
+        }
+        let mask = mask();
+        if mask == 0 {
+            return;
+        }
+        let tone = u32::from(colour());
+        for row in 0..ROWS {
+            let Some(pixels) = window
+                .get_mut(row * STRIDE..)
+                .and_then(|row| row.first_chunk_mut::<4>())
+            else {
+                return;
+            };
+            let old = word(*pixels);
+            let new = spread(mask >> (4 * row)) & !old;
+            *pixels = old.wrapping_add(new.wrapping_mul(tone)).to_le_bytes();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Small<'a> = Tones<'a, 12, 40>;
+
+    fn at(tones: &Small<'_>, x: i32, y: i32) -> Stamp {
+        Stamp {
+            corner: tones.corner(x, y),
+            x: 0,
+            y: 0,
+            away: false,
+            w: 0,
+        }
+    }
+
+    #[test]
+    fn the_first_tone_keeps_the_pixel_and_neighbours_keep_theirs() {
+        let mut buffer = [0; tone_words(12, 6)];
+        let mut tones = Small::cleared(&mut buffer, 10, 6).unwrap();
+        tones.stamp::<4>(at(&tones, 2, 1), || 0b0110_1111_1111_0110, || 5);
+        tones.stamp::<2>(at(&tones, 4, 1), || 0b0011_0011, || 9);
+        let mut rows = tones.rows();
+        assert_eq!(rows.next(), Some([0; 10].as_slice()));
+        assert_eq!(rows.next(), Some([0, 0, 0, 5, 5, 9, 0, 0, 0, 0].as_slice()));
+        assert_eq!(rows.next(), Some([0, 0, 5, 5, 5, 5, 0, 0, 0, 0].as_slice()));
+        assert_eq!(rows.count(), 3);
+    }
+
+    #[test]
+    fn a_window_may_stick_out_of_every_corner() {
+        let mut buffer = [0; tone_words(12, 6)];
+        let mut tones = Small::cleared(&mut buffer, 12, 6).unwrap();
+        for (x, y) in [(-2, -2), (10, -2), (-2, 4), (10, 4)] {
+            let inside =
+                |bit: i32| (0..12).contains(&(x + bit % 4)) && (0..6).contains(&(y + bit / 4));
+            let mask = (0..16).filter(|b| inside(*b)).fold(0, |m, b| m | 1 << b);
+            tones.stamp::<4>(at(&tones, x, y), || mask, || 7);
+        }
+        let covered: usize = tones.rows().flatten().map(|t| usize::from(t & 1)).sum();
+        assert_eq!(covered, 16);
+        assert!(tones.is_hidden(Rect { x0: 10, x1: 11, y0: 4, y1: 5 }));
+        assert!(!tones.is_hidden(Rect { x0: 9, x1: 11, y0: 4, y1: 5 }));
+    }
+}
