@@ -56,6 +56,7 @@ fn no_view_overflows_in_any_mode() {
             footprint: pick(&mut random, FootprintMode::ALL),
             reciprocal: pick(&mut random, ReciprocalMode::ALL),
             cell_size: PixelSize::from_bits((random.bits() as u16) >> (random.bits() % 16)),
+            ..Mode::default()
         };
         let blob = &blobs[random.bits() as usize % blobs.len()];
         // A focal length beyond its Q format is refused by name; everything else is drawn.

@@ -71,6 +71,7 @@ fn modes() -> Vec<Mode> {
                     footprint,
                     reciprocal,
                     cell_size: PixelSize::ZERO,
+                    ..Mode::default()
                 });
             }
         }
