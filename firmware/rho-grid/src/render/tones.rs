@@ -259,9 +259,14 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
         else {
             return;
         };
-        let middle = ROWS / 2 * (STRIDE + 1);
-        if stamp.away && window.get(middle).is_none_or(|pixel| pixel & 1 == 1) {
-            return;
+        if stamp.away {
+            let row = |row: usize| {
+                let pixels = window.get(row * STRIDE..).and_then(|row| row.first_chunk());
+                pixels.map_or(COVERED, |pixels| word(*pixels))
+            };
+            if row(ROWS / 2 - 1) & row(ROWS / 2) & COVERED == COVERED {
+                return;
+            }
         }
         let mask = mask();
         if mask == 0 {
