@@ -68,7 +68,6 @@ impl<'a> Shading<'a> {
             material: layout.material_of(u32::MAX),
         })
     }
-
 }
 
 impl Shade for Shading<'_> {

@@ -4,9 +4,7 @@ use clap::Args;
 use fixed::traits::ToFixed;
 use rho_grid::blob::{Blob, Grid};
 use rho_grid::camera::Camera;
-use rho_grid::mode::{
-    FootprintMode, FrameMode, Mode, Preset, ReciprocalMode, VisibilityMode,
-};
+use rho_grid::mode::{FootprintMode, FrameMode, Mode, Preset, ReciprocalMode, VisibilityMode};
 use rho_grid::q::PixelSize;
 
 /// The flags that choose how a frame is drawn.

@@ -160,9 +160,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
         mask: impl FnOnce() -> u32,
         colour: impl Fn() -> u16,
     ) {
-        let from = stamp
-            .corner
-            .wrapping_add(stamp.y * STRIDE as u32 + stamp.x) as usize;
+        let from = stamp.corner.wrapping_add(stamp.y * STRIDE as u32 + stamp.x) as usize;
         let Some(window) = self
             .pixels
             .get_mut(from..)
@@ -234,7 +232,17 @@ mod tests {
         }
         let covered: usize = tones.rows().flatten().map(|t| usize::from(t & 1)).sum();
         assert_eq!(covered, 16);
-        assert!(tones.is_hidden(Rect { x0: 10, x1: 11, y0: 4, y1: 5 }));
-        assert!(!tones.is_hidden(Rect { x0: 9, x1: 11, y0: 4, y1: 5 }));
+        assert!(tones.is_hidden(Rect {
+            x0: 10,
+            x1: 11,
+            y0: 4,
+            y1: 5
+        }));
+        assert!(!tones.is_hidden(Rect {
+            x0: 9,
+            x1: 11,
+            y0: 4,
+            y1: 5
+        }));
     }
 }

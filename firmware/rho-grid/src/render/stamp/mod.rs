@@ -130,7 +130,8 @@ impl<'v> Stamps<'v> {
         // 32nds of a pixel, rounded; below 2.6 pixels, so below 84.
         let unit = ((side >> 4) * i32::from(layout.offset_range)) >> 7;
         let first = (1 << 6) - ((7 * unit) >> 3);
-        let offsets = core::array::from_fn(|step| ((first + ((unit * step as i32) >> 2)) >> 7) as i8);
+        let offsets =
+            core::array::from_fn(|step| ((first + ((unit * step as i32) >> 2)) >> 7) as i8);
 
         let packed = |s: &Step| ((s.x >> 6) as u32).wrapping_add(((s.y >> 6) as u32) << 16);
         let [sx, sy, sz] = steps;
@@ -190,7 +191,8 @@ impl<'v> Stamps<'v> {
         parents.each(|parent| {
             let [dx, dy, dz] = parent.descending;
             let order = Order::new([dx, dy]);
-            let middle = ((4 * parent.x - x) as u32).wrapping_add(((4 * parent.y - y) as u32) << 16);
+            let middle =
+                ((4 * parent.x - x) as u32).wrapping_add(((4 * parent.y - y) as u32) << 16);
             let mask = parent.mask;
             let low = order.cells(mask);
             let mid = order.cells(mask >> 9);
@@ -261,7 +263,8 @@ impl<'v> Stamps<'v> {
             // The cosine, 2^30 to the unit.
             let towards = class
                 .towards
-                .wrapping_add(class.across.wrapping_mul(self.sight)) as i32;
+                .wrapping_add(class.across.wrapping_mul(self.sight))
+                as i32;
             let mask = || {
                 let cosine = u64::from(towards.unsigned_abs());
                 let half = ((cosine * u64::from(self.breadth)) >> 32) as u32;
