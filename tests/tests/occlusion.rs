@@ -62,6 +62,11 @@ impl<V: Visibility> Visibility for Patient<V> {
         false
     }
 
+    /// What is drawn depends on this: it is no skipping.
+    fn is_open(&self, x: u32, y: u32) -> bool {
+        self.inner.is_open(x, y)
+    }
+
     fn draw(&mut self, rect: Rect, w: i32, colour: impl FnOnce() -> u16) {
         self.drawn += 1;
         self.inner.draw(rect, w, colour);

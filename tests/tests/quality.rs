@@ -8,13 +8,13 @@ use host_tools::compare::{Comparison, Depths, compare};
 use host_tools::depth::Depth;
 use host_tools::device::Run;
 use host_tools::picture::Picture;
-use host_tools::reference::{Caster, Shot};
+use host_tools::reference::{Caster, Shot, Truth};
 use host_tools::render::{self, Drawn};
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
-use rho_grid::mode::{FootprintMode, Mode, VisibilityMode};
+use rho_grid::mode::{FootprintMode, Mode, Preset, VisibilityMode};
 use rho_tests::firmware::ask;
 use rho_tests::random::Random;
-use rho_tests::scan::{baked_bunny, bunny};
+use rho_tests::scan::{baked_bunny, bunny, standard_bunny};
 use rho_viewer::request::{Request, Scene};
 
 /// Cells along an axis.
@@ -34,10 +34,22 @@ fn draw(view: &View, mode: Mode) -> Drawn {
     render::render(&blob().blob().unwrap(), view, STANDARD_LIGHT, mode).unwrap()
 }
 
-/// The frame of the default mode against 5x5 rays a pixel.
+/// The frame of boxes against 5x5 rays a pixel.
 fn measure(view: View) -> Comparison {
-    let drawn = draw(&view, Mode::default());
-    let truth = caster().render(&Shot::standard(view), &|| ()).unwrap();
+    judged(&draw(&view, Mode::default()), &truth(view, 5), CELLS)
+}
+
+/// So many rays a pixel along each axis.
+fn truth(view: View, samples: u32) -> Truth {
+    let shot = Shot {
+        samples,
+        ..Shot::standard(view)
+    };
+    caster().render(&shot, &|| ()).unwrap()
+}
+
+/// A frame of a grid of so many cells an axis against the truth.
+fn judged(drawn: &Drawn, truth: &Truth, cells: f64) -> Comparison {
     let (width, height) = (drawn.width.into(), drawn.height.into());
     let depth = Depth {
         width,
@@ -47,10 +59,19 @@ fn measure(view: View) -> Comparison {
     let depths = Depths {
         picture: &depth,
         reference: &truth.depth,
-        cell: 1.0 / CELLS,
+        cell: 1.0 / cells,
     };
     let picture = Picture::from_rgb565(width, height, &drawn.words);
     compare(&picture, &truth.picture, [0; 3], Some(depths)).unwrap()
+}
+
+/// The bunny as `rho bake` makes it, drawn by a preset, and the cells an axis of the chosen grid.
+fn by_preset(preset: Preset, view: &View) -> (Drawn, f64) {
+    let blob = standard_bunny().blob().unwrap();
+    let mode = preset.mode(&blob, &view.camera().unwrap());
+    let grid = blob.grid(mode.grid).unwrap();
+    let drawn = render::render(&blob, view, STANDARD_LIGHT, mode).unwrap();
+    (drawn, f64::from(grid.cells(grid.subdivisions())))
 }
 
 /// The limits stand a little below what was measured when they were set (in the comment), so
@@ -69,6 +90,42 @@ fn the_standard_views_are_as_near_to_the_truth_as_they_were() {
         assert!(measured.iou >= iou, "{}: IoU {}", view.name(), measured.iou);
         let inside = measured.psnr_inside.unwrap();
         assert!(inside >= psnr, "{}: {inside} dB", view.name());
+    }
+}
+
+/// As above, for what a user gets who gives no flags but a preset's name.
+#[test]
+fn the_presets_are_as_near_to_the_truth_as_they_were() {
+    let mut missed = String::new();
+    for view in StandardView::ALL {
+        let truth = truth(view.into(), 5);
+        for &preset in Preset::ALL {
+            let (drawn, cells) = by_preset(preset, &view.into());
+            let measured = judged(&drawn, &truth, cells);
+            println!("{preset} {}, {cells} cells: {measured:?}", view.name());
+        }
+    }
+    assert!(missed.is_empty(), "{missed}");
+}
+
+/// Discs are laid with no proof that none is missing between two: here is what is missing from all
+/// round the bunny.
+#[test]
+fn the_presets_leave_no_more_holes_than_they_did() {
+    let truths: Vec<(View, Truth)> = views()
+        .into_iter()
+        .take(60)
+        .map(|view| (view, truth(view, 1)))
+        .collect();
+    for &preset in Preset::ALL {
+        let holes: Vec<usize> = truths
+            .iter()
+            .map(|(view, truth)| {
+                let (drawn, cells) = by_preset(preset, view);
+                judged(&drawn, truth, cells).holes
+            })
+            .collect();
+        println!("{preset}: {holes:?}");
     }
 }
 
@@ -184,11 +241,7 @@ fn every_pixel_whose_centre_the_model_covers_is_drawn_from_everywhere() {
     let mut holes = String::new();
     let mut totals = [Misses::default(); 2];
     for view in views() {
-        let shot = Shot {
-            samples: 1,
-            ..Shot::standard(view)
-        };
-        let truth = caster().render(&shot, &|| ()).unwrap();
+        let truth = truth(view, 1);
         for (total, &visibility) in totals.iter_mut().zip(VisibilityMode::ALL) {
             let mode = Mode {
                 visibility,
