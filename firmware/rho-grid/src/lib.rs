@@ -50,7 +50,8 @@
 //!
 //! It does not support floats, textures, transparency, or blobs on big-endian machines.
 #![no_std]
-#![forbid(unsafe_code)]
+#![cfg_attr(not(feature = "asm"), forbid(unsafe_code))]
+#![deny(unsafe_code)]
 #![cfg_attr(
     not(test),
     deny(

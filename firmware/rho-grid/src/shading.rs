@@ -14,6 +14,12 @@ pub trait Shade {
 
     /// The colour of a sample with the normal `index` (13 bits) and the first material.
     fn of_normal(&self, index: u32) -> u16;
+
+    /// The tones of the first material, if colours are tones.
+    #[cfg(rho_thumb)]
+    fn tones(&self) -> Option<&[u8; SHADED]> {
+        None
+    }
 }
 
 /// Colours of every normal under every material, RGB565.
@@ -89,7 +95,7 @@ const TONES: usize = 128;
 /// Bits of a normal that its tone does not tell.
 const FINER: u32 = 2;
 /// Normals that are shaded: the faces one refinement above those of the attribute words.
-const SHADED: usize = COUNT >> FINER;
+pub const SHADED: usize = COUNT >> FINER;
 
 /// How bright each normal is, for frames of a byte a pixel.
 ///
@@ -140,6 +146,11 @@ impl ToneTable {
 }
 
 impl Shade for ToneTable {
+    #[cfg(rho_thumb)]
+    fn tones(&self) -> Option<&[u8; SHADED]> {
+        Some(&self.tones)
+    }
+
     /// A tone.
     #[inline(always)]
     fn colour(&self, word: u32) -> u16 {

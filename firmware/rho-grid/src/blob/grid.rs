@@ -31,9 +31,9 @@ pub struct Level<'a> {
     pub nodes: u32,
     /// The index of the first node's attribute word, the others follow; 0 where nodes have none.
     pub first: u32,
-    masks: &'a [u32],
-    bases: &'a [u32],
-    offsets: &'a [u16],
+    pub(crate) masks: &'a [u32],
+    pub(crate) bases: &'a [u32],
+    pub(crate) offsets: &'a [u16],
 }
 
 impl<'a> Level<'a> {

@@ -16,6 +16,7 @@ use crate::reciprocal::Reciprocal;
 
 /// A point in homogeneous screen coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
 pub(super) struct Homogeneous {
     pub(super) x: i32,
     pub(super) y: i32,

@@ -27,9 +27,10 @@ pub struct Tones<'a, const STRIDE: usize, const SPAN: usize> {
     height: u16,
 }
 
-/// Bytes before the first pixel.
-const fn margin(stride: usize) -> usize {
-    2 * stride + 4
+/// Bytes before the first pixel, and as many after the last: a window of four rows may begin two
+/// pixels before the frame, or end three after it.
+pub(super) const fn margin(stride: usize) -> usize {
+    3 * stride + 4
 }
 
 /// Words that a frame of `height` rows needs.
@@ -82,26 +83,33 @@ fn word(bytes: [u8; 4]) -> u32 {
     u32::from_le_bytes(bytes)
 }
 
-/// A mask's row of four bits as the lowest bits of four bytes.
-static SPREAD: [u32; 16] = {
-    let mut words = [0; 16];
+/// Two rows of a mask, four bits each, as the lowest bits of four bytes each.
+pub(super) static SPREAD: [[u32; 2]; 256] = {
+    let mut words = [[0; 2]; 256];
     let mut bits = 0;
-    while bits < 16 {
+    while bits < 256 {
         #[allow(
             clippy::indexing_slicing,
             reason = "evaluated by the compiler, where an index out of range is an error"
         )]
         {
-            words[bits] = (bits & 1 | (bits & 2) << 7 | (bits & 4) << 14 | (bits & 8) << 21) as u32;
+            words[bits] = [row(bits as u32 & 15), row(bits as u32 >> 4)];
         }
         bits += 1;
     }
     words
 };
 
+const fn row(bits: u32) -> u32 {
+    bits & 1 | (bits & 2) << 7 | (bits & 4) << 14 | (bits & 8) << 21
+}
+
+/// Row `row` of a mask.
 #[inline(always)]
-fn spread(bits: u32) -> u32 {
-    SPREAD.get(bits as usize & 15).copied().unwrap_or(0)
+fn spread(mask: u32, row: usize) -> u32 {
+    let pair = SPREAD.get((mask >> (8 * (row / 2))) as usize & 255);
+    let [even, odd] = pair.copied().unwrap_or_default();
+    if row.is_multiple_of(2) { even } else { odd }
 }
 
 impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SPAN> {
@@ -148,6 +156,11 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
         }
     }
 
+    #[cfg(rho_thumb)]
+    fn tones(&mut self) -> Option<&mut [u8]> {
+        (STRIDE == super::stamp::STRIDE).then_some(&mut *self.pixels)
+    }
+
     #[inline(always)]
     fn corner(&self, x: i32, y: i32) -> u32 {
         Self::at(x, y) as u32
@@ -185,7 +198,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
                 return;
             };
             let old = word(*pixels);
-            let new = spread(mask >> (4 * row)) & !old;
+            let new = spread(mask, row) & !old;
             *pixels = old.wrapping_add(new.wrapping_mul(tone)).to_le_bytes();
         }
     }

@@ -17,8 +17,6 @@
 //! no projection (a division by next to nothing), so that nothing overflows, nothing in view is
 //! lost and nothing small looks large.
 
-use core::marker::PhantomData;
-
 use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
 use super::order::{self, List, Order};
@@ -126,87 +124,7 @@ struct Walk<'g, 'v, V, S> {
     view: &'v View,
     shading: &'v S,
     target: &'v mut V,
-}
-
-/// The children of an open cell, all divided by 3, whose subcells are stamped.
-struct Block<'a, 'g, R> {
-    view: &'a View,
-    open: &'a Open,
-    /// The open cell's level.
-    nodes: &'a Level<'g>,
-    /// The parents' level.
-    below: &'a Level<'g>,
-    displacements: &'a [Homogeneous],
-    /// Of the parents' children's level.
-    words: &'g [u16],
-    /// The eye's slab among all subcells of all children.
-    eye: [i32; 3],
-    reciprocal: PhantomData<R>,
-}
-
-impl<R: Reciprocal> Block<'_, '_, R> {
-    #[inline(always)]
-    fn parent(&self, subcell: u32, rank: u32, [i, j, k]: [i32; 3]) -> Option<stamp::Parent<'_>> {
-        let view = self.view;
-        let (mx, my) = (view.width << 7, view.height << 7);
-        let d = self.displacements.get(subcell as usize)?;
-        let centre = self.open.centre.plus(*d);
-        let over = OverW::new::<R>(centre.w, view.k);
-        let node = self.open.first_child + rank;
-        let [ex, ey, ez] = self.eye;
-        let [mask, ..] = self.below.mask::<3>(node);
-        Some(stamp::Parent {
-            x: over.times(centre.x) + mx,
-            y: over.times(centre.y) + my,
-            w: centre.w,
-            mask,
-            words: self.words,
-            first: self.below.first_child(node) as usize,
-            descending: [ex - 3 * i > 1, ey - 3 * j > 1, ez - 3 * k > 1],
-        })
-    }
-}
-
-impl<R: Reciprocal> stamp::Parents for Block<'_, '_, R> {
-    #[inline(always)]
-    fn each(&self, mut stamp: impl FnMut(&stamp::Parent<'_>)) {
-        let open = self.open;
-        if open.count > 0 {
-            for &subcell in open.list.iter().take(usize::from(open.count)) {
-                let rank = order::rank(&open.mask, subcell);
-                let place = order::place(self.nodes.rho, subcell);
-                if let Some(parent) = self.parent(subcell.into(), rank, place) {
-                    stamp(&parent);
-                }
-            }
-            return;
-        }
-        let [mask, ..] = open.mask;
-        let [dx, dy, dz] = self.eye.map(|e| e > 5);
-        let order = stamp::Order::new([dx, dy]);
-        let (low, mid, high) = (
-            order.cells(mask),
-            order.cells(mask >> 9),
-            order.cells(mask >> 18),
-        );
-        let ranks = [0, low.1, low.1 + mid.1];
-        let planes = [(low, 0, ranks[0]), (mid, 1, ranks[1]), (high, 2, ranks[2])];
-        let [a, b, c] = planes;
-        let (a, c) = if dz { (c, a) } else { (a, c) };
-        for ((cells, count), k, ranks) in [a, b, c] {
-            for at in 0..count {
-                let at = if order.backwards { count - 1 - at } else { at };
-                let entry = u32::from(cells.get(at).copied().unwrap_or(0));
-                let (cell, rank) = (entry & 15, entry >> 4);
-                let j = (cell * 11) >> 5;
-                let place = [(cell - 3 * j) as i32, j as i32, k];
-                let subcell = cell + 9 * k as u32;
-                if let Some(parent) = self.parent(subcell, rank + ranks as u32, place) {
-                    stamp(&parent);
-                }
-            }
-        }
-    }
+    parents: stamp::ParentList,
 }
 
 /// Draws `grid` as `view` (prepared for it) sees it.
@@ -223,6 +141,7 @@ pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
         view,
         shading,
         target,
+        parents: stamp::NO_PARENTS,
     }
     .run::<F, R>();
 }
@@ -526,34 +445,35 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         let Some(stamps) = Stamps::new(view, layout, &steps, axis, own, side) else {
             return false;
         };
-        // The lists of planes serve a cell divided by 3 that is seen from outside its middle slabs.
-        let eye = self.eye_slab(self.level(level + 1), cell.place, rho);
-        if rho == 3 && !eye.contains(&1) {
-            open.mask = nodes.mask::<3>(cell.node);
-            open.count = 0;
-        } else {
-            open.mask = match rho {
-                2 => open.order::<2>(nodes, cell.node, eye),
-                3 => open.order::<3>(nodes, cell.node, eye),
-                4 => open.order::<4>(nodes, cell.node, eye),
-                _ => open.order::<5>(nodes, cell.node, eye),
-            };
-        }
-        let parents = Block {
-            view,
-            open,
-            nodes,
+        // The eye's slab among all subcells, and among the parents.
+        let eye = self.eye_slab(inner, cell.place.map(|p| p * rho), 3);
+        let eye_of_parents = self.eye_slab(self.level(level + 1), cell.place, rho);
+        let words = self.grid.attributes();
+        let words = words.get(self.first(level + 2) as usize..);
+        let mut parents = stamp::Parents::new(
+            cell.centre,
+            view.displacements(outer),
+            view.k,
             below,
-            displacements: view.displacements(outer),
-            words: self
-                .grid
-                .attributes()
-                .get(self.first(level + 2) as usize..)
-                .unwrap_or_default(),
-            eye: self.eye_slab(inner, open.place.map(|p| p * rho), 3),
-            reciprocal: PhantomData::<R>,
-        };
-        stamps.stamp(self.target, &parents, self.shading);
+            open.first_child,
+            words.unwrap_or_default(),
+            &mut self.parents,
+        );
+        if rho == 3 && eye.iter().all(|e| *e < 1 || *e > 7) {
+            let [mask, ..] = nodes.mask::<3>(cell.node);
+            parents.outside(mask, eye.map(|e| e > 7));
+        } else {
+            let mask = match rho {
+                2 => open.order::<2>(nodes, cell.node, eye_of_parents),
+                3 => open.order::<3>(nodes, cell.node, eye_of_parents),
+                4 => open.order::<4>(nodes, cell.node, eye_of_parents),
+                _ => open.order::<5>(nodes, cell.node, eye_of_parents),
+            };
+            let list = open.list.iter().take(usize::from(open.count));
+            let list = list.map(|s| (order::rank(&mask, *s), u32::from(*s)));
+            parents.list(list, eye, |s| order::place(nodes.rho, s as u8));
+        }
+        stamps.stamp::<V, R>(self.target, &parents, self.shading);
         true
     }
 

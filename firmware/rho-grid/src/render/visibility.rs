@@ -65,6 +65,12 @@ pub trait Visibility {
         !self.is_hidden(Rect::pixel(x, y))
     }
 
+    /// The bytes of a frame of tones as wide as the loops in assembly have it.
+    #[cfg(rho_thumb)]
+    fn tones(&mut self) -> Option<&mut [u8]> {
+        None
+    }
+
     /// A pixel, also one beyond the frame, from which [`Stamp`]s count.
     #[inline(always)]
     fn corner(&self, x: i32, y: i32) -> u32 {

@@ -18,6 +18,7 @@ pub(super) const FINER: u32 = BITS - CLASS_BITS;
 
 /// A class of normals in eye space.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(super) struct Class {
     /// x to the right and y down, 32 to the unit: x + 65536 y.
     pub(super) across: u32,
@@ -27,7 +28,7 @@ pub(super) struct Class {
 
 /// All classes, 4 kB.
 #[derive(Clone, Debug)]
-pub(in crate::render) struct Classes([Class; CLASSES]);
+pub(in crate::render) struct Classes(pub(super) [Class; CLASSES]);
 
 impl Classes {
     /// Not yet filled.

@@ -43,14 +43,14 @@ const AXES: [(i32, i32); DIRECTIONS] = [
 /// Places of a line, sixteenths of a pixel, of each direction.
 const PLACES: usize = 256;
 /// The line of place `ORIGIN` passes the first pixel's centre.
-const ORIGIN: i32 = 96;
+const ORIGIN: i32 = 112;
 
 /// `[direction * PLACES + place]`: the pixels on one side of a line, those on it included.
 #[allow(
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, where an index out of range is an error"
 )]
-static HALF_PLANES: [u16; DIRECTIONS * PLACES] = {
+pub(super) static HALF_PLANES: [u16; DIRECTIONS * PLACES] = {
     let mut masks = [0; DIRECTIONS * PLACES];
     let mut d = 0;
     while d < DIRECTIONS {
@@ -74,7 +74,8 @@ static HALF_PLANES: [u16; DIRECTIONS * PLACES] = {
 
 /// A direction, ready to find a disc's strip.
 #[derive(Clone, Copy, Debug)]
-struct Direction {
+#[repr(C)]
+pub(super) struct Direction {
     /// y and x (the upper half) in sixteenths.
     across: u32,
     /// Index of the place of the window's own origin.
@@ -86,7 +87,7 @@ struct Direction {
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, where an index out of range is an error"
 )]
-static WINDOWS: [[Direction; DIRECTIONS]; 3] = {
+pub(super) static WINDOWS: [[Direction; DIRECTIONS]; 3] = {
     let none = Direction { across: 0, base: 0 };
     let mut windows = [[none; DIRECTIONS]; 3];
     let mut rows = 0;

@@ -25,15 +25,21 @@
 mod classes;
 mod lists;
 mod mask;
+#[cfg(rho_thumb)]
+mod thumb;
+#[cfg(rho_thumb)]
+pub(super) use thumb::STRIDE;
 
 pub(super) use classes::Classes;
-pub(super) use lists::Order;
 
+use super::project::{Homogeneous, OverW};
 use super::view::{Step, View};
 use super::visibility::{Stamp, Visibility};
-use crate::blob::Layout;
+use crate::blob::{Layout, Level};
+use crate::reciprocal::Reciprocal;
 use crate::shading::Shade;
 use classes::FINER;
+use lists::{FIRST, Order};
 use mask::{Circle, Four, Round, Three, Two};
 
 /// The entry of a table at `index`, taken modulo its length.
@@ -59,36 +65,120 @@ pub(super) struct Stamps<'v> {
     along_z: u32,
     /// By offset step: 32nds of a pixel.
     offsets: [i8; 8],
-    /// From the middle of a plane of 3 x 3 cells to each.
+    /// From the middle of a plane of 3 x 3 cells to each, from entry [`FIRST`] on.
     cells: [u32; 16],
     classes: &'v Classes,
     circle: Circle,
     /// The pixel from which places count.
     corner: (i32, i32),
+    /// The frame's size: twice from its corner to the axis.
+    size: (i32, i32),
 }
 
-/// The cells of a block: parents divided by 3, projected one by one.
-pub(super) trait Parents {
-    /// Calls `stamp` with each from front to back.
-    fn each(&self, stamp: impl FnMut(&Parent<'_>));
-}
+/// Most parents of a block: it is divided by 5.
+const MAX_PARENTS: usize = 125;
 
-/// A cell whose subcells are stamped.
-pub(super) struct Parent<'g> {
-    /// Its centre, Q8 from the frame's corner.
-    pub(super) x: i32,
-    /// The same along y.
-    pub(super) y: i32,
-    /// Its distance along the optical axis, as [`Visibility::stamp`] takes it.
-    pub(super) w: i32,
-    /// Its subcells, 27 bits.
-    pub(super) mask: u32,
-    /// Attribute words of all cells of its subcells' level.
+/// Room for the parents of a block.
+pub(super) type ParentList = [u32; MAX_PARENTS];
+/// None.
+pub(super) const NO_PARENTS: ParentList = [0; MAX_PARENTS];
+
+/// The cells of a block: each is divided by 3, and its subcells are stamped.
+pub(super) struct Parents<'a, 'g> {
+    /// The block's centre.
+    pub(super) centre: Homogeneous,
+    /// From there to its subcells.
+    pub(super) displacements: &'a [Homogeneous],
+    /// Exponent of the projection ([`super::project`]).
+    pub(super) k: u32,
+    /// The parents' level.
+    pub(super) level: &'a Level<'g>,
+    /// The first of the block's parents in it.
+    pub(super) first: u32,
+    /// Attribute words of the level of their subcells.
     pub(super) words: &'g [u16],
-    /// The first of its own.
-    pub(super) first: usize,
-    /// Along x, y, z: whether subcells are seen from the higher side.
-    pub(super) descending: [bool; 3],
+    /// Its parents from front to back.
+    order: &'a mut ParentList,
+    count: usize,
+}
+
+impl<'a, 'g> Parents<'a, 'g> {
+    /// No parents yet.
+    #[inline(always)]
+    pub(super) fn new(
+        centre: Homogeneous,
+        displacements: &'a [Homogeneous],
+        k: u32,
+        level: &'a Level<'g>,
+        first: u32,
+        words: &'g [u16],
+        order: &'a mut ParentList,
+    ) -> Self {
+        Self {
+            centre,
+            displacements,
+            k,
+            level,
+            first,
+            words,
+            order,
+            count: 0,
+        }
+    }
+
+    /// Adds the parent in `subcell` of the block, the `rank`th of the block's; its own subcells
+    /// come in `order`.
+    #[inline(always)]
+    fn push(&mut self, subcell: u32, rank: u32, order: Order) {
+        if let Some(slot) = self.order.get_mut(self.count) {
+            *slot = order.bits() << 16 | subcell << 8 | rank;
+            self.count += 1;
+        }
+    }
+
+    /// Adds a block's parents as `list` has them (rank and subcell, from front to back). `eye` is
+    /// the eye's slab among all their subcells, and `place` tells a subcell's own.
+    #[inline(always)]
+    pub(super) fn list(
+        &mut self,
+        list: impl Iterator<Item = (u32, u32)>,
+        eye: [i32; 3],
+        place: impl Fn(u32) -> [i32; 3],
+    ) {
+        for (rank, subcell) in list {
+            let [i, j, k] = place(subcell);
+            let [ex, ey, ez] = eye;
+            let order = Order::new([ex - 3 * i > 1, ey - 3 * j > 1, ez - 3 * k > 1]);
+            self.push(subcell, rank, order);
+        }
+    }
+
+    /// Adds the parents in `mask`, 3 x 3 x 3, of a block that the eye sees from outside: all its
+    /// subcells have the same order.
+    #[inline(always)]
+    pub(super) fn outside(&mut self, mask: u32, descending: [bool; 3]) {
+        let order = Order::new(descending);
+        let (low, mid, high) = (
+            order.cells(mask),
+            order.cells(mask >> 9),
+            order.cells(mask >> 18),
+        );
+        let ranks = [0, low.1, low.1 + mid.1];
+        let planes = [(low, 0, ranks[0]), (mid, 9, ranks[1]), (high, 18, ranks[2])];
+        for ((cells, count), plane, ranks) in order.planes(planes) {
+            let mut add = |entry: &u8| {
+                let entry = u32::from(*entry);
+                let subcell = (entry & 15) - FIRST + plane;
+                self.push(subcell, (entry >> 4) + ranks as u32, order);
+            };
+            let cells = cells.iter().take(count);
+            if order.is_backwards() {
+                cells.rev().for_each(&mut add);
+            } else {
+                cells.for_each(&mut add);
+            }
+        }
+    }
 }
 
 /// Half the window of packed places, in pixels.
@@ -111,7 +201,7 @@ impl<'v> Stamps<'v> {
             return None;
         }
         // A side of 2.6 pixels has discs of 0.8 sides then: still no holes.
-        if own > (REACH - 4) << 8 || side > 170_000 {
+        if own > (REACH - 4) << 8 || side > 170_000 || view.width.min(view.height) < 64 {
             return None;
         }
         let (tx, ty) = (view.tangent(x), view.tangent(y));
@@ -138,17 +228,19 @@ impl<'v> Stamps<'v> {
         let (sx, sy, along_z) = (packed(sx), packed(sy), packed(sz));
         let row = |middle: u32| [middle.wrapping_sub(sx), middle, middle.wrapping_add(sx)];
         let ([a, b, c], [d, e, f], [g, h, i]) = (row(0u32.wrapping_sub(sy)), row(0), row(sy));
-        let (mx, my) = (view.width << 7, view.height << 7);
-        let corner = |v: i32| (v >> 8) - REACH;
+        // Windows that begin from two pixels before the frame to its last one are within 64 pixels
+        // of the corner, and the corner's 64 within two pixels of the frame.
+        let corner = |v: i32, side: i32| (((v >> 8) + (side >> 1)) - REACH).min(side - 64).max(-2);
         Some(Self {
             classes: &view.classes,
             sight: (-ty as u32).wrapping_add((-tx as u32) << 16),
             circle,
             breadth,
             offsets,
-            cells: [a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0, 0, 0],
+            cells: [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0],
             along_z,
-            corner: (corner(x + mx), corner(y + my)),
+            corner: (corner(x, view.width), corner(y, view.height)),
+            size: (view.width, view.height),
         })
     }
 
@@ -160,48 +252,77 @@ impl<'v> Stamps<'v> {
 
     /// Stamps all subcells of a block's parents.
     #[inline(always)]
-    pub(super) fn stamp<V: Visibility>(
+    pub(super) fn stamp<V: Visibility, R: Reciprocal>(
         &self,
         target: &mut V,
-        parents: &impl Parents,
+        parents: &Parents<'_, '_>,
         shading: &impl Shade,
     ) {
+        #[cfg(rho_thumb)]
+        if let (Some(pixels), Some(tones)) = (target.tones(), shading.tones()) {
+            return thumb::stamp(self, parents, pixels, tones);
+        }
         match self.circle {
-            Circle::Two(c) => self.block(target, parents, Two(c), shading),
-            Circle::Three(c) => self.block(target, parents, Three(c), shading),
-            Circle::Four(c) => self.block(target, parents, Four(c), shading),
+            Circle::Two(c) => self.block::<V, R, _>(target, parents, Two(c), shading),
+            Circle::Three(c) => self.block::<V, R, _>(target, parents, Three(c), shading),
+            Circle::Four(c) => self.block::<V, R, _>(target, parents, Four(c), shading),
         }
     }
 
+    /// What is taken from four times a screen coordinate (Q8 from the axis) for its packed place:
+    /// from a centre to the middle of its window's first pixel, plus half a pixel, so that what is
+    /// left over after whole pixels are taken is the window's part.
+    #[inline(always)]
+    fn origin(&self, rows: i32) -> (i32, i32) {
+        let bias = 512 * (rows - 1);
+        let (x, y) = self.corner;
+        let (mx, my) = self.size;
+        ((x << 10) + bias - (mx << 9), (y << 10) + bias - (my << 9))
+    }
+
     #[inline(never)]
-    fn block<V: Visibility, C: Round>(
+    fn block<V: Visibility, R: Reciprocal, C: Round>(
         &self,
         target: &mut V,
-        parents: &impl Parents,
+        parents: &Parents<'_, '_>,
         circle: C,
         shading: &impl Shade,
     ) {
         let (x, y) = self.corner;
         let corner = target.corner(x, y);
-        // From a centre to the middle of its window's first pixel, plus half a pixel, so that
-        // what is left over after whole pixels are taken is the window's part.
-        let bias = 512 * (C::ROWS as i32 - 1);
-        let (x, y) = ((x << 10) + bias, (y << 10) + bias);
+        let (x, y) = self.origin(C::ROWS as i32);
         let mut tail = [0; 16];
-        parents.each(|parent| {
-            let [dx, dy, dz] = parent.descending;
-            let order = Order::new([dx, dy]);
-            let middle =
-                ((4 * parent.x - x) as u32).wrapping_add(((4 * parent.y - y) as u32) << 16);
-            let mask = parent.mask;
+        for parent in parents.order.iter().take(parents.count) {
+            let order = Order::from_bits(parent >> 16);
+            let subcell = (parent >> 8 & 255) as usize;
+            let Some(d) = parents.displacements.get(subcell) else {
+                continue;
+            };
+            let centre = parents.centre.plus(*d);
+            let over = OverW::new::<R>(centre.w, parents.k);
+            let at = |v: i32, origin: i32| (4 * over.times(v)).wrapping_sub(origin) as u32;
+            let middle = at(centre.x, x).wrapping_add(at(centre.y, y) << 16);
+
+            let node = parents.first + (parent & 255);
+            let [mask, ..] = parents.level.mask::<3>(node);
+            let first = parents.level.first_child(node) as usize;
             let low = order.cells(mask);
             let mid = order.cells(mask >> 9);
             let high = order.cells(mask >> 18);
-            let mut plane = |(cells, count): (&[u8; 9], usize), at: u32, first: usize| {
+            let planes = [
+                (low, middle.wrapping_sub(self.along_z), first),
+                (mid, middle, first + low.1),
+                (
+                    high,
+                    middle.wrapping_add(self.along_z),
+                    first + low.1 + mid.1,
+                ),
+            ];
+            for ((cells, count), at, first) in order.planes(planes) {
                 if count == 0 {
-                    return;
+                    continue;
                 }
-                let words = parent.words.get(first..).unwrap_or_default();
+                let words = parents.words.get(first..).unwrap_or_default();
                 let words: &[u16; 16] = match words.first_chunk() {
                     Some(words) => words,
                     None => {
@@ -215,31 +336,17 @@ impl<'v> Stamps<'v> {
                 let samples = Samples {
                     words,
                     at,
-                    w: parent.w,
+                    w: centre.w,
                     corner,
                 };
                 let cells = cells.iter().take(count);
-                if order.backwards {
+                if order.is_backwards() {
                     self.samples(target, &samples, cells.rev(), circle, shading);
                 } else {
                     self.samples(target, &samples, cells, circle, shading);
                 }
-            };
-            let first = parent.first;
-            let firsts = [first, first + low.1, first + low.1 + mid.1];
-            let below = middle.wrapping_sub(self.along_z);
-            let above = middle.wrapping_add(self.along_z);
-            let planes = [
-                (low, below, firsts[0]),
-                (mid, middle, firsts[1]),
-                (high, above, firsts[2]),
-            ];
-            let [a, b, c] = planes;
-            let (a, c) = if dz { (c, a) } else { (a, c) };
-            for (cells, at, first) in [a, b, c] {
-                plane(cells, at, first);
             }
-        });
+        }
     }
 
     #[inline(always)]

@@ -1,0 +1,448 @@
+//! The loops over parents, planes and samples in assembly, for ARMv7-M.
+//!
+//! [`Stamps::block`] and [`Stamps::samples`](super::Stamps) are the same in Rust, and are what draws
+//! without the feature `asm`, on other cores and into other frames; the bits are the same. What is
+//! gained: registers are given out by hand, no index is checked again that the block has checked,
+//! and planes are a subroutine.
+//!
+//! # Safety
+//!
+//! The assembly reads and writes memory through the pointers of [`Block`] and its own stack, and
+//! nothing else. Each access lies within what the pointer was made from:
+//!
+//! * *order*: `count` entries, at least one, made by [`Parents`].
+//! * *displacements*: an entry's subcell is one of the block's division, whose displacements
+//!   [`stamp`] checks to be there.
+//! * *masks, bases, offsets, words*: an entry's rank is below the number of the block's children;
+//!   [`Grid`](crate::blob::Grid) has proved that they, their children and the children's words exist.
+//!   Only words of children are read.
+//! * *lists*: nine bits of a mask times the size of a list; a list has as many entries as it says.
+//! * *offsets by step, cells*: three bits; the number in a list's entry, 2 to 10.
+//! * *classes, tones*: nine and eleven bits of a word of 16.
+//! * *directions*: four bits. *Half-planes*: `ORIGIN` and the number of places are such that no sum of
+//!   a place within a window and a half width stays outside; [`stamp`] bounds `breadth`.
+//! * *circle*: eight or six bits of place, and [`Circle`] has a table of as many.
+//! * *spread*: eight bits of a mask.
+//! * *pixels*: places have six bits each, so windows begin within 64 x 64 pixels of the corner, and
+//!   [`stamp`] checks that those and three more, each way, are in the frame's bytes.
+
+#![allow(unsafe_code, reason = "the one place with assembly")]
+
+use core::arch::global_asm;
+
+use super::lists::{LISTS, Lists};
+use super::mask::{Direction, HALF_PLANES, WINDOWS};
+use super::{Circle, MAX_PARENTS, Parents, Stamps, classes};
+use crate::render::project::Homogeneous;
+use crate::render::tones::{SPREAD, margin};
+use crate::shading::SHADED;
+
+/// Bytes from row to row of the frames that the assembly knows.
+pub(in crate::render) const STRIDE: usize = 240;
+
+/// What the assembly reads; the offsets stand in its first lines.
+#[repr(C)]
+struct Block {
+    /// 0: by offset step.
+    offsets: [i8; 8],
+    /// 8: from the middle of a plane.
+    cells: [u32; 9],
+    /// 44, 48.
+    sight: u32,
+    breadth: u32,
+    /// 52, 56
+    directions: *const Direction,
+    circle: *const u8,
+    /// 60, 64.
+    tones: *const u8,
+    spread: *const [u32; 2],
+    /// 68, 72, 76.
+    classes: *const classes::Class,
+    half_planes: *const u16,
+    corner: *mut u8,
+    /// 80: the list of the parent's order.
+    list: *const u8,
+    /// 84, 88, 92.
+    along_z: u32,
+    origin: u32,
+    k: u32,
+    /// 96, 100, 104.
+    centre: Homogeneous,
+    /// 108.
+    displacements: *const Homogeneous,
+    /// 112, 116, 120, 124.
+    masks: *const u32,
+    bases: *const u32,
+    firsts: *const u16,
+    words: *const u16,
+    /// 128, 132, 136.
+    node: u32,
+    order: *const u32,
+    end: *const u32,
+    /// 140.
+    lists: *const Lists,
+    /// 144: bits, place and words of each plane.
+    planes: [u32; 9],
+}
+
+unsafe extern "C" {
+    fn rho_grid_stamp_two(block: *mut Block);
+    fn rho_grid_stamp_three(block: *mut Block);
+    fn rho_grid_stamp_four(block: *mut Block);
+}
+
+/// Stamps all subcells of a block's parents.
+#[inline(always)]
+pub(super) fn stamp(
+    stamps: &Stamps<'_>,
+    parents: &Parents<'_, '_>,
+    pixels: &mut [u8],
+    tones: &[u8; SHADED],
+) {
+    let (x, y) = stamps.corner;
+    let corner = margin(STRIDE) as i32 + y * STRIDE as i32 + x;
+    // 63 pixels on, and the window's three.
+    let last = corner + 66 * (STRIDE as i32 + 1);
+    let [_, _, a, b, c, d, e, f, g, h, i, ..] = stamps.cells;
+    let subcells = parents.displacements.len();
+    let order = parents.order.get(..parents.count).unwrap_or_default();
+    if corner < 0
+        || last as usize >= pixels.len()
+        || stamps.breadth >= 1 << 8
+        || order.is_empty()
+        || order
+            .iter()
+            .any(|parent| (parent >> 8 & 255) as usize >= subcells)
+    {
+        return;
+    }
+    let (rows, circle): (i32, *const u8) = match stamps.circle {
+        Circle::Two(circle) => (2, circle.as_ptr()),
+        Circle::Three(circle) => (3, circle.as_ptr().cast()),
+        Circle::Four(circle) => (4, circle.as_ptr().cast()),
+    };
+    let [two, three, four] = &WINDOWS;
+    let directions = match rows {
+        2 => two,
+        3 => three,
+        _ => four,
+    };
+    let (x, y) = stamps.origin(rows);
+    let order = order.as_ptr_range();
+    let mut block = Block {
+        offsets: stamps.offsets,
+        cells: [a, b, c, d, e, f, g, h, i],
+        sight: stamps.sight,
+        breadth: stamps.breadth,
+        directions: directions.as_ptr(),
+        circle,
+        tones: tones.as_ptr(),
+        spread: SPREAD.as_ptr(),
+        classes: stamps.classes.0.as_ptr(),
+        half_planes: HALF_PLANES.as_ptr(),
+        // Within the pixels: it is neither negative nor beyond the last.
+        corner: pixels.as_mut_ptr().wrapping_add(corner as usize),
+        list: core::ptr::null(),
+        along_z: stamps.along_z,
+        origin: 0u32.wrapping_sub(x as u32).wrapping_sub((y as u32) << 16),
+        k: parents.k,
+        centre: parents.centre,
+        displacements: parents.displacements.as_ptr(),
+        masks: parents.level.masks.as_ptr(),
+        bases: parents.level.bases.as_ptr(),
+        firsts: parents.level.offsets.as_ptr(),
+        words: parents.words.as_ptr(),
+        node: parents.first,
+        order: order.start,
+        end: order.end,
+        lists: LISTS.as_ptr(),
+        planes: [0; 9],
+    };
+    // SAFETY: the module's argument; all that is pointed to is borrowed here.
+    unsafe {
+        match rows {
+            2 => rho_grid_stamp_two(&raw mut block),
+            3 => rho_grid_stamp_three(&raw mut block),
+            _ => rho_grid_stamp_four(&raw mut block),
+        }
+    }
+}
+
+const _: () = {
+    assert!(core::mem::offset_of!(Block, sight) == 44);
+    assert!(core::mem::offset_of!(Block, classes) == 68);
+    assert!(core::mem::offset_of!(Block, centre) == 96);
+    assert!(core::mem::offset_of!(Block, planes) == 144);
+    assert!(size_of::<Lists>() == 5120);
+    // Subcells and ranks have a byte each.
+    assert!(MAX_PARENTS < 256);
+};
+
+global_asm!(
+    // One sample. r0 block, r1 next entry, r2 end, r3 place, r4 words, r5 classes, r6 half-planes,
+    // r7 corner; r8 to r12 and lr are free.
+    ".macro RHO_SAMPLES rows, backwards",
+    "1:",
+    ".if \\backwards",
+    "ldrb r8, [r1, #-1]!",
+    ".else",
+    "ldrb r8, [r1], #1",
+    ".endif",
+    "and r9, r8, #15",
+    "lsr r8, r8, #4",
+    "ldr r9, [r0, r9, lsl #2]",  // from the plane's middle
+    "ldrh r8, [r4, r8, lsl #1]", // the attribute word
+    "add r9, r9, r3",
+    "and r10, r8, #7",
+    "ldrsb r10, [r0, r10]", // the offset
+    "lsr r11, r8, #7",
+    "add r11, r5, r11, lsl #3",
+    "ldrd r11, r12, [r11]", // across, towards
+    "mla r9, r11, r10, r9", // the place
+    "ubfx r10, r9, #10, #6",
+    "lsr lr, r9, #26",
+    "rsb lr, lr, lr, lsl #4",
+    "add r10, r10, r7",
+    "add r10, r10, lr, lsl #4", // corner + 240 y + x
+    "ldr lr, [r0, #44]",
+    "mla r11, r11, lr, r12", // the cosine
+    "adds r11, r11, #0",     // clears the carry
+    "bmi 3f",
+    "2:",
+    "ldr lr, [r0, #48]",
+    "umull lr, r11, r11, lr", // half the strip's width
+    "and r12, r12, #15",
+    "ldr lr, [r0, #52]",
+    "add r12, lr, r12, lsl #3",
+    "ldrd lr, r12, [r12]",     // across the strip, base
+    "bic r9, r9, #0xFC00FC00", // the parts of a pixel
+    "mul lr, lr, r9",
+    "add lr, lr, #0x02000000",
+    "add r12, r12, lr, asr #26",
+    "add lr, r12, r11",
+    "sbc r12, r12, r11", // one less, the carry being clear
+    "ldrh lr, [r6, lr, lsl #1]",
+    "ldrh r12, [r6, r12, lsl #1]",
+    "bic lr, lr, r12", // the strip
+    ".if \\rows == 2",
+    "ubfx r12, r9, #6, #4",
+    "ubfx r9, r9, #22, #4",
+    "add r12, r12, r9, lsl #4",
+    "ldr r9, [r0, #56]",
+    "ldrb r12, [r9, r12]",
+    ".else",
+    "ubfx r12, r9, #7, #3",
+    "ubfx r9, r9, #23, #3",
+    "add r12, r12, r9, lsl #3",
+    "ldr r9, [r0, #56]",
+    "ldrh r12, [r9, r12, lsl #1]",
+    ".endif",
+    "ands lr, lr, r12", // the mask
+    "beq 4f",
+    "ldrd r11, r12, [r0, #60]",
+    "lsr r8, r8, #5",
+    "ldrb r8, [r11, r8]", // the tone
+    ".if \\rows == 2",
+    "add lr, r12, lr, lsl #3",
+    "ldrd r11, r12, [lr]",
+    ".else",
+    "uxtb r9, lr",
+    "lsr lr, lr, #8",
+    "add r9, r12, r9, lsl #3",
+    "add lr, r12, lr, lsl #3",
+    "ldrd r11, r12, [r9]",
+    ".endif",
+    "ldr r9, [r10]",
+    "bic r11, r11, r9",
+    "mla r9, r11, r8, r9",
+    "str r9, [r10]",
+    "ldr r9, [r10, #240]",
+    "bic r12, r12, r9",
+    "mla r9, r12, r8, r9",
+    "str r9, [r10, #240]",
+    ".if \\rows == 3",
+    "ldr r11, [lr]",
+    "ldr r9, [r10, #480]",
+    "bic r11, r11, r9",
+    "mla r9, r11, r8, r9",
+    "str r9, [r10, #480]",
+    ".endif",
+    ".if \\rows == 4",
+    "ldrd r11, r12, [lr]",
+    "ldr r9, [r10, #480]",
+    "bic r11, r11, r9",
+    "mla r9, r11, r8, r9",
+    "str r9, [r10, #480]",
+    "ldr r9, [r10, #720]",
+    "bic r12, r12, r9",
+    "mla r9, r12, r8, r9",
+    "str r9, [r10, #720]",
+    ".endif",
+    "4:",
+    "cmp r1, r2",
+    "bne 1b",
+    "ldr pc, [sp], #4",
+    "3:", // it faces away
+    "ldrb lr, [r10, #(\\rows / 2 * 241)]",
+    "tst lr, #1",
+    "bne 4b",
+    "rsb r11, r11, #0",
+    "b 2b",
+    ".endm",
+    // A plane: r1 its nine bits, r3 its place, r4 its words.
+    ".macro RHO_PLANE rows, backwards",
+    "cbnz r1, 5f",
+    "bx lr",
+    "5:",
+    "str lr, [sp, #-4]!",
+    "add r1, r1, r1, lsl #2",
+    "ldr r2, [r0, #80]",
+    "add r1, r2, r1, lsl #1",
+    "ldrb r2, [r1], #1",
+    ".if \\backwards",
+    "mov r8, r1",
+    "add r1, r1, r2",
+    "mov r2, r8",
+    ".else",
+    "add r2, r2, r1",
+    ".endif",
+    "RHO_SAMPLES \\rows, \\backwards",
+    ".endm",
+    // All parents. Registers are saved for the caller, as its convention wants.
+    ".macro RHO_BLOCK name, rows",
+    ".section .text.\\name,\"ax\",%progbits",
+    ".global \\name",
+    ".type \\name,%function",
+    ".thumb_func",
+    "\\name:",
+    "push {{r4-r11, lr}}",
+    "add r1, r0, #68",
+    "ldm r1, {{r5, r6, r7}}",
+    "ldr r1, [r0, #132]",
+    "10:",
+    "ldr r12, [r1], #4", // order, subcell, rank
+    "str r1, [r0, #132]",
+    "ubfx r1, r12, #8, #8",
+    "ldr r2, [r0, #108]",
+    "add r1, r1, r1, lsl #1",
+    "add r1, r2, r1, lsl #2",
+    "ldm r1, {{r1, r2, r3}}", // the displacement
+    "add lr, r0, #96",
+    "ldm lr, {{r8, r9, r10}}",
+    "add r1, r1, r8",
+    "add r2, r2, r9",
+    "add r3, r3, r10",
+    "clz r8, r3",
+    "lsl r3, r3, r8",
+    "lsr r3, r3, #16",
+    "mvn r9, #0",
+    "udiv r3, r9, r3",
+    "ldr r9, [r0, #92]",
+    "lsl r3, r3, #14",
+    "sub r8, r9, r8",
+    "smull lr, r1, r1, r3",
+    "smull lr, r2, r2, r3",
+    "asr r1, r1, r8",
+    "asr r2, r2, r8",
+    "ldr r3, [r0, #88]",
+    "add r3, r3, r1, lsl #2",
+    "add r3, r3, r2, lsl #18", // the middle plane's place
+    "ldr r1, [r0, #128]",
+    "uxtb r2, r12",
+    "add r1, r1, r2", // the node
+    "add r2, r0, #112",
+    "ldm r2, {{r8, r9, r10, r11}}",
+    "ldr r8, [r8, r1, lsl #2]", // its mask
+    "lsr r2, r1, #9",
+    "ldr r9, [r9, r2, lsl #2]",
+    "ldrh r10, [r10, r1, lsl #1]",
+    "add r9, r9, r10",
+    "add r11, r11, r9, lsl #1", // its first child's word
+    "ldr r9, [r0, #140]",
+    "tst r12, #0x10000",
+    "it ne",
+    "addne r9, r9, #5120",
+    "str r9, [r0, #80]",
+    // low: r1 bits, r2 place, r3 words; mid: r4, r8, r9; high: r10, r11, r12.
+    "push {{r5, r6, r7, r12}}",
+    "ldr r6, [r0, #84]",
+    "ubfx r1, r8, #0, #9",
+    "ubfx r4, r8, #9, #9",
+    "ubfx r10, r8, #18, #9",
+    "add r5, r1, r1, lsl #2",
+    "ldrb r5, [r9, r5, lsl #1]",
+    "add r7, r4, r4, lsl #2",
+    "ldrb r7, [r9, r7, lsl #1]",
+    "mov r8, r3",
+    "sub r2, r3, r6",
+    "mov r3, r11",
+    "add r9, r11, r5, lsl #1",
+    "add r11, r8, r6",
+    "add r12, r9, r7, lsl #1",
+    "add r5, r0, #144",
+    "stm r5, {{r1, r2, r3, r4, r8, r9, r10, r11, r12}}",
+    "pop {{r5, r6, r7, r12}}",
+    "tst r12, #0x20000",
+    "bne 20f",
+    "tst r12, #0x40000",
+    "bne 11f",
+    "add r2, r0, #144",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 30f",
+    "add r2, r0, #156",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 30f",
+    "add r2, r0, #168",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 30f",
+    "b 12f",
+    "11:",
+    "add r2, r0, #168",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 30f",
+    "add r2, r0, #156",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 30f",
+    "add r2, r0, #144",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 30f",
+    "12:",
+    "ldrd r1, r2, [r0, #132]",
+    "cmp r1, r2",
+    "bne 10b",
+    "pop {{r4-r11, pc}}",
+    "20:",
+    "tst r12, #0x40000",
+    "bne 21f",
+    "add r2, r0, #144",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 40f",
+    "add r2, r0, #156",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 40f",
+    "add r2, r0, #168",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 40f",
+    "b 12b",
+    "21:",
+    "add r2, r0, #168",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 40f",
+    "add r2, r0, #156",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 40f",
+    "add r2, r0, #144",
+    "ldm r2, {{r1, r3, r4}}",
+    "bl 40f",
+    "b 12b",
+    "30:",
+    "RHO_PLANE \\rows, 0",
+    "40:",
+    "RHO_PLANE \\rows, 1",
+    ".size \\name, . - \\name",
+    ".endm",
+    ".syntax unified",
+    "RHO_BLOCK rho_grid_stamp_two, 2",
+    "RHO_BLOCK rho_grid_stamp_three, 3",
+    "RHO_BLOCK rho_grid_stamp_four, 4",
+);
