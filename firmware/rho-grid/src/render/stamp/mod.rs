@@ -247,7 +247,8 @@ impl<'v> Stamps<'v> {
     /// How far a disc reaches beyond its cell's bounds at most, Q8.
     pub(super) fn overhang(side: i32) -> i32 {
         // 0.9 sides less the half that is within, and the offset: at most 0.87 sides.
-        ((side * 5) >> 10) + 1
+        // Q16 to Q8; shifted first, since near the eye a side has up to 31 bits.
+        (((side >> 4) * 5) >> 6) + 1
     }
 
     /// Stamps all subcells of a block's parents.
