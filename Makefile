@@ -7,7 +7,7 @@ DEMO ?= demo.png
 TARGETS := thumbv6m-none-eabi thumbv7m-none-eabi thumbv7em-none-eabihf
 RHO := cargo run --quiet --release --package host-tools --bin rho --
 
-.PHONY: demo test setup toolchain qemu check gallery
+.PHONY: demo test bench setup toolchain qemu check gallery
 
 demo: setup
 	@mkdir -p target/demo
@@ -26,8 +26,12 @@ check: toolchain
 		echo "cargo clippy: rho-grid, rho-viewer on $$target"; \
 		cargo clippy --quiet --package rho-grid --package rho-viewer --target $$target -- -D warnings || exit 1; \
 	done
-	cargo clippy --profile firmware --package rho-mps2-an385 --target thumbv7m-none-eabi -- -D warnings
+	cargo clippy --profile firmware --package rho-mps2-an385 --package rho-peers --target thumbv7m-none-eabi -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --quiet
+
+# The tables of docs/bench.md; look at what has changed before it is committed.
+bench: setup
+	$(RHO) bench --classes -o docs/bench.md
 
 # The pictures of docs/gallery.md, each by the command that stands under it.
 gallery: setup

@@ -10,6 +10,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=board.x");
     println!("cargo::rerun-if-env-changed=DEFMT_LOG");
+    println!("cargo::rustc-check-cfg=cfg(armv6m)");
+    if env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv6m")) {
+        println!("cargo::rustc-cfg=armv6m");
+    }
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         // main.rs says what to do instead.
         return Ok(());

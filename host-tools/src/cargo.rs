@@ -11,6 +11,8 @@ use crate::failure::{Failure, Outcome};
 pub struct Package<'a> {
     /// Its name.
     pub name: &'a str,
+    /// The one of its programs that is wanted; none for a library.
+    pub program: Option<&'a str>,
     /// The cargo profile.
     pub profile: &'a str,
     /// What it is built for, where that is not this machine.
@@ -33,6 +35,9 @@ impl Package<'_> {
             .arg("--message-format=json-render-diagnostics")
             .current_dir(folder)
             .stdin(Stdio::null());
+        if let Some(program) = self.program {
+            command.args(["--bin", program]);
+        }
         if let Some(target) = self.target {
             command.args(["--target", target]);
         }
@@ -66,13 +71,11 @@ impl Package<'_> {
     fn artifact(&self, messages: &str) -> Option<PathBuf> {
         // A library's name has underscores.
         let library = self.name.replace('-', "_");
+        let wanted = self.program.unwrap_or(&library);
         messages
             .lines()
             .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
-            .filter(|message| {
-                let name = &message["target"]["name"];
-                *name == self.name || *name == *library
-            })
+            .filter(|message| message["target"]["name"] == *wanted)
             .find_map(|message| message["filenames"][0].as_str().map(PathBuf::from))
     }
 
@@ -108,6 +111,7 @@ mod tests {
 
     const IMAGE: Package<'_> = Package {
         name: "rho-board",
+        program: Some("board"),
         profile: "firmware",
         target: Some("thumbv7m-none-eabi"),
     };
@@ -117,13 +121,16 @@ mod tests {
         let messages = concat!(
             r#"{"reason":"compiler-artifact","target":{"name":"rho-grid"},"filenames":["/x"]}"#,
             "\n",
-            r#"{"reason":"compiler-artifact","target":{"name":"rho-board"},"filenames":["/a/b"]}"#,
+            r#"{"reason":"compiler-artifact","target":{"name":"rho_board"},"filenames":["/librho_board.rlib"]}"#,
+            "\n",
+            r#"{"reason":"compiler-artifact","target":{"name":"board"},"filenames":["/a/b"]}"#,
             "\nnoise\n",
             r#"{"reason":"compiler-artifact","target":{"name":"a_b"},"filenames":["/liba_b.so"]}"#,
         );
         assert_eq!(IMAGE.artifact(messages), Some(PathBuf::from("/a/b")));
         let library = Package {
             name: "a-b",
+            program: None,
             ..IMAGE
         };
         let expected = Some(PathBuf::from("/liba_b.so"));

@@ -7,16 +7,8 @@ use object::elf;
 use object::read::elf::{ElfFile32, ProgramHeader, SectionHeader};
 use object::{Endianness, Object, ObjectSection};
 
-use crate::cargo::Package;
 use crate::failure::{Failure, Outcome};
-
-/// The program of the emulated board.
-pub const PACKAGE: Package<'_> = Package {
-    name: "rho-mps2-an385",
-    // That of all that runs on a microcontroller.
-    profile: "firmware",
-    target: Some("thumbv7m-none-eabi"),
-};
+use crate::machine::Machine;
 
 /// The board's memory for the program.
 const FLASH: std::ops::Range<u64> = 0..4 << 20;
@@ -26,6 +18,7 @@ const RAM: std::ops::Range<u64> = 0x2000_0000..0x2040_0000;
 /// A checked image.
 #[derive(Clone, Debug)]
 pub struct Firmware {
+    machine: Machine,
     path: PathBuf,
     elf: Vec<u8>,
     ram_bytes: u64,
@@ -33,49 +26,60 @@ pub struct Firmware {
 }
 
 impl Firmware {
-    /// Builds the image from the workspace that the folder lies in, and opens it. With
+    /// Builds the viewer from the workspace that the folder lies in, and opens it. With
     /// `target_dir`, cargo writes there and not where it would by itself.
     ///
     /// # Errors
-    /// Those of [`Package::build`] and [`Firmware::open`].
-    pub fn build(folder: &Path, target_dir: Option<&Path>) -> Outcome<Self> {
-        let path = PACKAGE.build(folder, target_dir).map_err(|failure| {
+    /// Those of [`Package::build`](crate::cargo::Package::build) and [`Firmware::open`].
+    pub fn build(machine: Machine, folder: &Path, target_dir: Option<&Path>) -> Outcome<Self> {
+        let built = machine.viewer().build(folder, target_dir);
+        let path = built.map_err(|failure| {
             let help = failure.help.as_deref().unwrap_or_default();
             let help = format!("{help}, or pass --firmware ELF");
             failure.help(help)
         })?;
-        Self::open(&path)
+        Self::open(&path, machine)
     }
 
-    /// Opens the image at the path; without one, builds it from the workspace in the current
-    /// folder.
+    /// Opens the image at the path; without one, builds the viewer from the workspace in the
+    /// current folder.
     ///
     /// # Errors
     /// Those of [`Firmware::open`] and [`Firmware::build`].
-    pub fn named_or_built(path: Option<&Path>) -> Outcome<Self> {
-        path.map_or_else(|| Self::build(Path::new("."), None), Self::open)
+    pub fn named_or_built(path: Option<&Path>, machine: Machine) -> Outcome<Self> {
+        match path {
+            Some(path) => Self::open(path, machine),
+            None => Self::build(machine, Path::new("."), None),
+        }
     }
 
     /// Reads and checks an image.
     ///
     /// # Errors
     /// When it cannot be read, or would not run on the board.
-    pub fn open(path: &Path) -> Outcome<Self> {
+    pub fn open(path: &Path, machine: Machine) -> Outcome<Self> {
         let elf = fs::read(path)
             .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
         let (ram_bytes, flash_bytes) = check(&elf).map_err(|reason| {
             Failure::input(format!("{}: {reason}", path.display()))
-                .help(format!("build it with: {}", PACKAGE.command()))
+                .help(format!("build it with: {}", machine.viewer().command()))
         })?;
         // Absolute, because the emulator runs in a folder of its own.
         let path = fs::canonicalize(path)
             .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
         Ok(Self {
+            machine,
             path,
             elf,
             ram_bytes,
             flash_bytes,
         })
+    }
+
+    /// What it runs on.
+    #[must_use]
+    pub fn machine(&self) -> Machine {
+        self.machine
     }
 
     /// Where it lies.

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bake;
+pub mod bench;
 pub mod blob_file;
 pub mod cargo;
 pub mod cli;
@@ -14,11 +15,13 @@ pub mod failure;
 pub mod firmware;
 pub mod flash;
 pub mod geometry;
+pub mod machine;
 pub mod mesh;
 pub mod model;
 pub mod palette;
 pub mod panel;
 pub mod peak;
+pub mod peer;
 pub mod picture;
 pub mod profile;
 pub mod qemu;

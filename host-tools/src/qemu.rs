@@ -1,4 +1,4 @@
-//! The emulated board: QEMU's mps2-an385, run once and never longer than allowed.
+//! The emulated board: one of QEMU's, run once and never longer than allowed.
 
 use std::fs::{self, File};
 use std::io;
@@ -69,7 +69,8 @@ pub fn run(job: &Job<'_>) -> Outcome<Record> {
     // The files have plain names in a folder of their own: no comma needs care.
     command
         .current_dir(folder.path())
-        .args(["-M", "mps2-an385", "-display", "none", "-monitor", "none"])
+        .args(["-M", job.firmware.machine().board()])
+        .args(["-display", "none", "-monitor", "none"])
         .args(["-nic", "none", "-icount", "shift=6,sleep=off"])
         .args(["-serial", "file:report"])
         .args(["-trace", "memory_region_ops_write", "-D", "wires"])

@@ -7,6 +7,7 @@ use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 use host_tools::firmware::Firmware;
+use host_tools::machine::Machine;
 
 fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
@@ -19,7 +20,8 @@ fn firmware() -> &'static Path {
         .get_or_init(|| {
             let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap();
             let folder = target.join("firmware-under-test");
-            Firmware::build(workspace(), Some(&folder)).unwrap_or_else(|e| panic!("{e}"))
+            Firmware::build(Machine::M3, workspace(), Some(&folder))
+                .unwrap_or_else(|e| panic!("{e}"))
         })
         .path()
 }

@@ -8,6 +8,7 @@ use std::time::Duration;
 use host_tools::device::{self, Run};
 use host_tools::failure::Outcome;
 use host_tools::firmware::Firmware;
+use host_tools::machine::Machine;
 use host_tools::profile;
 
 /// More than any test's frame takes, also on a busy machine.
@@ -23,7 +24,8 @@ pub fn workspace() -> &'static Path {
 
 /// Where the firmware is built: beside the tests' own target folder, so that neither build
 /// waits for the other's lock.
-fn target_dir() -> PathBuf {
+#[must_use]
+pub fn target_dir() -> PathBuf {
     // A test runs from TARGET/PROFILE/deps.
     let target = env::current_exe()
         .ok()
@@ -45,16 +47,23 @@ pub fn plugin() -> &'static Path {
     })
 }
 
-/// The firmware.
+/// The firmware for the Cortex-M3.
 ///
 /// # Panics
 /// When it does not build.
 pub fn firmware() -> &'static Firmware {
     static FIRMWARE: OnceLock<Firmware> = OnceLock::new();
-    FIRMWARE.get_or_init(|| {
-        Firmware::build(workspace(), Some(&target_dir()))
-            .unwrap_or_else(|failure| panic!("the firmware under test: {failure}"))
-    })
+    FIRMWARE.get_or_init(|| firmware_for(Machine::M3))
+}
+
+/// The firmware for a machine.
+///
+/// # Panics
+/// When it does not build.
+#[must_use]
+pub fn firmware_for(machine: Machine) -> Firmware {
+    Firmware::build(machine, workspace(), Some(&target_dir()))
+        .unwrap_or_else(|failure| panic!("the firmware under test: {failure}"))
 }
 
 /// Runs the firmware under test on a line of text.

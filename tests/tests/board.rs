@@ -46,7 +46,7 @@ fn a_frame_is_one_window_of_two_bytes_a_pixel() {
 fn the_counter_reads_true_to_the_instruction() {
     let run = ask("picture=count-loop", None).unwrap().done().unwrap();
     let expected: Vec<_> = run.report.probes.iter().map(|p| p.expected).collect();
-    assert_eq!(expected, [0, 1, 7, 2_000_002]);
+    assert_eq!(expected, [0, 1, 7, 2_000_004]);
     for probe in &run.report.probes {
         assert_eq!(probe.counted, probe.expected);
     }

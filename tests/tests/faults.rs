@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use host_tools::failure::{Exit, Failure};
 use host_tools::firmware::Firmware;
+use host_tools::machine::Machine;
 use object::{Object, ObjectSegment, ObjectSymbol};
 use rho_tests::firmware::{TIMEOUT, ask_of, firmware};
 
@@ -23,7 +24,7 @@ fn patched(address: u64, bytes: &[u8]) -> Firmware {
     fs::write(&path, elf).unwrap();
     // The emulator reads it once more.
     let _ = folder.keep();
-    Firmware::open(&path).unwrap()
+    Firmware::open(&path, Machine::M3).unwrap()
 }
 
 /// Where a function begins.
@@ -88,7 +89,13 @@ fn an_image_that_would_not_run_is_refused_before_it_is_tried() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image");
     fs::write(&path, &firmware().elf()[..200]).unwrap();
-    assert_eq!(Firmware::open(&path).unwrap_err().exit, Exit::Input);
+    assert_eq!(
+        Firmware::open(&path, Machine::M3).unwrap_err().exit,
+        Exit::Input
+    );
     fs::write(&path, b"no image").unwrap();
-    assert_eq!(Firmware::open(&path).unwrap_err().exit, Exit::Input);
+    assert_eq!(
+        Firmware::open(&path, Machine::M3).unwrap_err().exit,
+        Exit::Input
+    );
 }

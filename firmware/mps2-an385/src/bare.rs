@@ -67,7 +67,7 @@ impl Register {
 }
 
 /// The memory in which a model may lie.
-pub(crate) fn model() -> &'static [u8] {
+pub fn model() -> &'static [u8] {
     // SAFETY: the board has 16 MB of memory there, no section of the program lies in it
     // (board.x), and nothing writes to it after the emulator's loader, which ran before reset.
     unsafe { core::slice::from_raw_parts(MODEL, MODEL_BYTES) }
@@ -87,7 +87,51 @@ pub(crate) fn stack_used() -> u32 {
     (top as usize - word as usize) as u32
 }
 
-/// Reads the 25 MHz counter, in three instructions.
+/// The lines that read the 25 MHz counter into a register: three instructions.
+#[cfg(not(armv6m))]
+macro_rules! read_counter {
+    ($r:literal) => {
+        concat!(
+            "movw ",
+            $r,
+            ", #0x8018\n movt ",
+            $r,
+            ", #0x4002\n ldr ",
+            $r,
+            ", [",
+            $r,
+            "]"
+        )
+    };
+}
+
+/// The same for a core without long constants: seven instructions.
+#[cfg(armv6m)]
+macro_rules! read_counter {
+    ($r:literal) => {
+        concat!(
+            "movs ",
+            $r,
+            ", #0x80\n lsls ",
+            $r,
+            ", #12\n adds ",
+            $r,
+            ", #0x50\n lsls ",
+            $r,
+            ", #8\n adds ",
+            $r,
+            ", #3\n lsls ",
+            $r,
+            ", #3\n ldr ",
+            $r,
+            ", [",
+            $r,
+            "]"
+        )
+    };
+}
+
+/// Reads the 25 MHz counter.
 #[inline(always)]
 pub(crate) fn counter() -> u32 {
     let ticks;
@@ -95,13 +139,7 @@ pub(crate) fn counter() -> u32 {
     // side effect. Written in assembly so that each reading costs the same; without `nomem`,
     // so that no access to memory moves from one side of a reading to the other.
     unsafe {
-        asm!(
-            "movw {t}, #0x8018",
-            "movt {t}, #0x4002",
-            "ldr {t}, [{t}]",
-            t = out(reg) ticks,
-            options(nostack, preserves_flags),
-        );
+        asm!(read_counter!("{t}"), t = out(reg) ticks, options(nostack));
     }
     ticks
 }
@@ -109,21 +147,16 @@ pub(crate) fn counter() -> u32 {
 /// Two readings with code of a known length between, in one piece of assembly: the compiler
 /// puts nothing between them.
 macro_rules! between_readings {
-    ($($line:literal),*; $($name:ident = $operand:expr)?) => {{
+    ($($line:literal),*) => {{
         let (start, end): (u32, u32);
         // SAFETY: reads the counter as `counter` does, and works in registers declared below.
         unsafe {
             asm!(
-                "movw {start}, #0x8018",
-                "movt {start}, #0x4002",
-                "ldr {start}, [{start}]",
+                read_counter!("{start}"),
                 $($line,)*
-                "movw {end}, #0x8018",
-                "movt {end}, #0x4002",
-                "ldr {end}, [{end}]",
+                read_counter!("{end}"),
                 start = out(reg) start,
                 end = out(reg) end,
-                $($name = const $operand,)?
                 out("r2") _,
                 options(nostack),
             );
@@ -134,28 +167,30 @@ macro_rules! between_readings {
 
 /// Two readings with nothing between.
 pub(crate) fn nothing_counted() -> (u32, u32) {
-    between_readings!(;)
+    between_readings!()
 }
 
 /// Code of known lengths: the length and the readings around it.
 pub(crate) fn counted_code() -> [(u32, (u32, u32)); PROBES] {
-    const TURNS: u32 = 1_000_000;
+    // What four instructions put into r2.
+    const TURNS: u32 = 0x7A12 << 5;
     [
         (0, nothing_counted()),
-        (1, between_readings!("nop";)),
+        (1, between_readings!("nop")),
         (
             7,
-            between_readings!("nop", "nop", "nop", "nop", "nop", "nop", "nop";),
+            between_readings!("nop", "nop", "nop", "nop", "nop", "nop", "nop"),
         ),
-        // movw, movt, then a subtraction and a branch a turn.
+        // Then a subtraction and a branch a turn.
         (
-            2 + 2 * TURNS,
+            4 + 2 * TURNS,
             between_readings!(
-                "movw r2, #({turns} & 0xFFFF)",
-                "movt r2, #({turns} >> 16)",
+                "movs r2, #0x7A",
+                "lsls r2, r2, #8",
+                "adds r2, #0x12",
+                "lsls r2, r2, #5",
                 "2: subs r2, r2, #1",
-                "bne 2b";
-                turns = TURNS
+                "bne 2b"
             ),
         ),
     ]
@@ -176,7 +211,8 @@ unsafe extern "C" fn HardFault() -> ! {
         "ldr r1, [sp, #24]",
         "ldr r2, =_stack_start",
         "mov sp, r2",
-        "b {fault}",
+        // It does not come back; a plain branch does not reach far on every core.
+        "bl {fault}",
         fault = sym fault,
     )
 }

@@ -11,7 +11,7 @@ const MHZ: u32 = 25;
 /// The board's 25 MHz counter. Under QEMU's `-icount shift=6` an instruction takes 64 ns, which
 /// is 1.6 ticks; a frame of more than 2684 million instructions wraps it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Clock;
+pub struct Clock;
 
 /// How many instructions the counter can tell apart: 2^32 ticks.
 const WRAP: u32 = ((1u64 << 32) * 5 / 8) as u32;
@@ -58,7 +58,7 @@ impl Counter for Clock {
 
 /// Waits by running instructions, at least as many as the core has cycles in that time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Delay;
+pub struct Delay;
 
 impl DelayNs for Delay {
     fn delay_ns(&mut self, ns: u32) {

@@ -9,7 +9,7 @@ use crate::bare::Register;
 /// One pin. The register is shared; the program has one thread and no interrupts, so that
 /// reading and writing it back loses nothing.
 #[derive(Debug)]
-pub(crate) struct Pin(u32);
+pub struct Pin(u32);
 
 /// The pins of the panel.
 #[derive(Debug)]

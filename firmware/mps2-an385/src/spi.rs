@@ -23,7 +23,7 @@ const PATIENCE: u32 = 10_000;
 
 /// The port is stuck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Stuck;
+pub struct Stuck;
 
 impl Error for Stuck {
     fn kind(&self) -> ErrorKind {
@@ -33,7 +33,7 @@ impl Error for Stuck {
 
 /// The serial port.
 #[derive(Debug)]
-pub(crate) struct Pl022 {
+pub struct Pl022 {
     bits: u32,
 }
 

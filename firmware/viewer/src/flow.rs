@@ -146,7 +146,8 @@ fn answer<S: Screen, C: Counter>(
 }
 
 /// CRC-32 of words as little-endian bytes.
-fn crc32(words: &[u16]) -> u32 {
+#[must_use]
+pub fn crc32(words: &[u16]) -> u32 {
     let mut digest = CRC.digest();
     for word in words {
         digest.update(&word.to_le_bytes());

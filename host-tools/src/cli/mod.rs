@@ -5,6 +5,7 @@ use clap::{Parser, Subcommand};
 use crate::failure::Outcome;
 
 pub mod bake;
+pub mod bench;
 pub mod compare;
 pub mod info;
 pub mod mode;
@@ -35,6 +36,7 @@ enum Command {
     Profile(Box<profile::ProfileArgs>),
     Reference(reference::Reference),
     Compare(compare::Compare),
+    Bench(bench::BenchArgs),
 }
 
 impl Rho {
@@ -51,6 +53,7 @@ impl Rho {
             Command::Profile(command) => command.run(),
             Command::Reference(command) => command.run(),
             Command::Compare(command) => command.run(),
+            Command::Bench(command) => command.run(),
         }
     }
 }

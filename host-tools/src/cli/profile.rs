@@ -15,6 +15,7 @@ use crate::cli::run::seconds;
 use crate::device;
 use crate::failure::Outcome;
 use crate::firmware::Firmware;
+use crate::machine::Machine;
 use crate::profile::cycles::Core;
 use crate::profile::place::Places;
 use crate::profile::thumb::Class;
@@ -70,6 +71,9 @@ pub struct ProfileArgs {
     /// in this folder
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
+    /// The core that draws
+    #[arg(long, value_enum, default_value_t = Machine::M3)]
+    core: Machine,
     /// How long the device may take, in seconds
     #[arg(long, value_name = "S", default_value = "300", value_parser = seconds)]
     timeout: Duration,
@@ -108,7 +112,7 @@ impl ProfileArgs {
             light: render::light(self.view.light()),
             mode,
         });
-        let firmware = Firmware::named_or_built(self.firmware.as_deref())?;
+        let firmware = Firmware::named_or_built(self.firmware.as_deref(), self.core)?;
         let plugin = profile::plugin(Path::new("."), None)?;
         let run = device::answer(&Job {
             firmware: &firmware,

@@ -13,6 +13,7 @@ use crate::cli::mode::ModeArgs;
 use crate::device::{self, Run};
 use crate::failure::{Failure, Outcome};
 use crate::firmware::Firmware;
+use crate::machine::Machine;
 use crate::picture::Picture;
 use crate::render;
 use crate::view::ViewArgs;
@@ -54,6 +55,9 @@ pub struct RunArgs {
     /// The firmware's image; without it, it is built from the workspace in this folder
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
+    /// The core that draws
+    #[arg(long, value_enum, default_value_t = Machine::M3)]
+    core: Machine,
     /// How long the device may take, in seconds
     #[arg(long, value_name = "S", default_value = "60", value_parser = seconds)]
     timeout: Duration,
@@ -114,7 +118,7 @@ impl RunArgs {
         }
         let model = file;
         let model = model.as_ref().map(BlobFile::bytes);
-        let firmware = Firmware::named_or_built(self.firmware.as_deref())?;
+        let firmware = Firmware::named_or_built(self.firmware.as_deref(), self.core)?;
         let run = device::run(&firmware, model, &request, self.timeout)?;
         if self.verbose {
             for line in &run.log {

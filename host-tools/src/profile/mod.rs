@@ -26,6 +26,7 @@ use thumb::{ByClass, Class, Instruction};
 /// The emulator's plugin.
 pub const PLUGIN: Package<'_> = Package {
     name: "rho-qemu-plugin",
+    program: None,
     profile: "release",
     target: None,
 };

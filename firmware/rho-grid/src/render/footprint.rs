@@ -46,8 +46,9 @@ pub trait Footprint: Copy {
 
     /// Pixels of which a sample in or below a cell of these bounds may colour none other, but for
     /// those to which no point of the cell is projected: boxes in a block are widened by what
-    /// their steps may be off.
-    fn reach(bounds: Bounds) -> Pixels;
+    /// their steps may be off. `overhang` is how far a disc of the coarsest level drawn below may
+    /// reach beyond the cell, in 256ths of the cell's half extent.
+    fn reach(bounds: Bounds, overhang: i32) -> Pixels;
 }
 
 /// The pixel in which the sample's centre lies.
@@ -70,7 +71,7 @@ impl Footprint for Point {
     }
 
     #[inline(always)]
-    fn reach(b: Bounds) -> Pixels {
+    fn reach(b: Bounds, _: i32) -> Pixels {
         Pixels {
             x: ((b.x - b.half_x) >> 8, (b.x + b.half_x) >> 8),
             y: ((b.y - b.half_y) >> 8, (b.y + b.half_y) >> 8),
@@ -104,7 +105,7 @@ impl Footprint for Splat {
     }
 
     #[inline(always)]
-    fn reach(b: Bounds) -> Pixels {
+    fn reach(b: Bounds, _: i32) -> Pixels {
         // A splat within passes its cell by less than a pixel, and is a square: as wide as high.
         let half = b.half_x.max(b.half_y);
         Pixels {
@@ -144,7 +145,7 @@ impl Footprint for PixelCentre {
     }
 
     #[inline(always)]
-    fn reach(b: Bounds) -> Pixels {
+    fn reach(b: Bounds, _: i32) -> Pixels {
         // The bounds of subcells are wider than exact by their slack; so are these, and by more.
         let wider = |half: i32| half + (half >> 6) + 8;
         Self::of::<8>(wider(b.half_x), wider(b.half_y)).cover::<8>(b.x, b.y)
@@ -172,10 +173,8 @@ impl Footprint for Disc {
     }
 
     #[inline(always)]
-    fn reach(b: Bounds) -> Pixels {
-        // A disc of radius 0.9 moved by 0.87 sides reaches at most 1.26 sides from its cell's
-        // centre, so 0.76 sides beyond it, and its cell is at most half as large as this one.
-        let wider = |half: i32| half + half - (half >> 2) + 8;
+    fn reach(b: Bounds, overhang: i32) -> Pixels {
+        let wider = |half: i32| half + ((half * overhang) >> 8) + 8;
         PixelCentre::of::<8>(wider(b.half_x), wider(b.half_y)).cover::<8>(b.x, b.y)
     }
 }

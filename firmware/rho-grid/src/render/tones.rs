@@ -49,11 +49,10 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
         if usize::from(width) > STRIDE {
             return None;
         }
-        let (chunks, rest) = buffer.as_chunks_mut::<8>();
-        for chunk in chunks {
-            *chunk = [0; 8];
-        }
-        rest.fill(0);
+        #[cfg(rho_thumb)]
+        super::stamp::clear(buffer);
+        #[cfg(not(rho_thumb))]
+        buffer.fill(0);
         Some(Self {
             pixels: bytemuck::cast_slice_mut(buffer),
             width,
@@ -115,16 +114,34 @@ fn spread(mask: u32, row: usize) -> u32 {
 impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SPAN> {
     const FRONT_TO_BACK: bool = true;
 
+    /// The middle and the corners are asked first: of what shows, one of them is mostly open.
     #[inline(always)]
     fn is_hidden(&self, r: Rect) -> bool {
+        let (mx, my) = (r.x0.midpoint(r.x1), r.y0.midpoint(r.y1));
+        if self.is_open(mx, my)
+            || self.is_open(r.x0, r.y0)
+            || self.is_open(r.x1, r.y0)
+            || self.is_open(r.x0, r.y1)
+            || self.is_open(r.x1, r.y1)
+        {
+            return false;
+        }
         let count = (r.x1 - r.x0 + 1) as usize;
         let mut at = Self::at(r.x0 as i32, r.y0 as i32);
         for _ in r.y0..r.y1 + 1 {
             let row = self.pixels.get(at..at + count).unwrap_or_default();
-            let (words, rest) = row.as_chunks::<4>();
-            let words = words.iter().fold(COVERED, |all, w| all & word(*w));
-            let rest = rest.iter().fold(1, |all, pixel| all & pixel);
-            if words != COVERED || rest == 0 {
+            // Four pixels at a time; the last four may have been looked at before.
+            let covered = match row.last_chunk() {
+                Some(last) => row
+                    .as_chunks()
+                    .0
+                    .iter()
+                    .fold(word(*last), |all, four| all & word(*four)),
+                None => row
+                    .iter()
+                    .fold(COVERED, |all, p| all & u32::from(*p) * COVERED),
+            };
+            if covered & COVERED != COVERED {
                 return false;
             }
             at += STRIDE;

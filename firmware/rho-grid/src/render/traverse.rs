@@ -124,6 +124,8 @@ struct Walk<'g, 'v, V, S> {
     view: &'v View,
     shading: &'v S,
     target: &'v mut V,
+    /// Samples are of a layout that can be stamped.
+    stamps: bool,
     parents: stamp::ParentList,
 }
 
@@ -141,6 +143,7 @@ pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
         view,
         shading,
         target,
+        stamps: Stamps::stamps(grid.layout()),
         parents: stamp::NO_PARENTS,
     }
     .run::<F, R>();
@@ -216,7 +219,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         open.place = cell.place;
         open.first_child = nodes.first_child(cell.node);
         open.next = 0;
-        if F::DISCS && self.stamped::<R>(open, &cell, level) {
+        if F::DISCS && self.stamps && self.stamped::<R>(open, &cell, level) {
             return false;
         }
         let eye = self.eye_slab(children, cell.place, i32::from(nodes.rho));
@@ -365,6 +368,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         let rho = i32::from(nodes.rho);
         let [ox, oy, oz] = open.place.map(|p| p * rho);
 
+        let overhang = self.level(level + 1).overhang;
         let inside = self.is_inside(bounds, group.steps.half);
         let stencil = group.stencil::<F, RHO>(inside);
         for &subcell in open.list.iter().take(usize::from(open.count)) {
@@ -380,7 +384,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
                 half_x: half.x,
                 half_y: half.y,
             };
-            let Some(rect) = self.clip(F::reach(bounds)) else {
+            let Some(rect) = self.clip(F::reach(bounds, overhang)) else {
                 continue;
             };
             if self.target.is_hidden(rect) {
@@ -440,9 +444,9 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             return false;
         }
         let steps = view.steps_at::<R>(inner, axis, w);
-        let layout = self.grid.layout();
+        let range = self.grid.layout().offset_range;
         let own = bounds.half_x.max(bounds.half_y);
-        let Some(stamps) = Stamps::new(view, layout, &steps, axis, own, side) else {
+        let Some(stamps) = Stamps::new(view, range, &steps, axis, own, side) else {
             return false;
         };
         // The eye's slab among all subcells, and among the parents.
@@ -457,6 +461,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             below,
             open.first_child,
             words.unwrap_or_default(),
+            (rho * rho * rho) as usize,
             &mut self.parents,
         );
         if rho == 3 && eye.iter().all(|e| *e < 1 || *e > 7) {
@@ -577,7 +582,8 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             }
             None => self.near_bounds::<R>(centre, self.level(level + 1))?,
         };
-        let reach = self.clip(F::reach(bounds))?;
+        let overhang = self.level(level + 1).overhang;
+        let reach = self.clip(F::reach(bounds, overhang))?;
         let rho = self.grid.levels().get(level)?.rho;
         let rank = order::rank(&parent.mask, subcell);
         let [i, j, k] = order::place(rho, subcell);

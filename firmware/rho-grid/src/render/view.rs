@@ -53,6 +53,9 @@ pub(super) struct LevelView {
     pub(super) eye: [i32; 3],
     /// A cell's side in the unit of X.
     pub(super) side: i32,
+    /// How far a disc drawn in a cell of this level may reach beyond it, in 256ths of half its
+    /// extent.
+    pub(super) overhang: i32,
     /// Where its children's displacements begin, and how many there are.
     children: (usize, usize),
 }
@@ -63,6 +66,7 @@ impl LevelView {
         half: Homogeneous::ZERO,
         stop_w: 0,
         side: 0,
+        overhang: 0,
         eye: [0; 3],
         children: (0, 0),
     };
@@ -282,6 +286,7 @@ impl View {
                 },
                 eye: eye.map(|e| ((e * cells) >> 30).clamp(-1, cells) as i32),
                 side: shift((focal << 30) / cells, drop + 10),
+                overhang: 0,
                 children: (first, rho.pow(3) as usize),
             };
             if let Some(slot) = self.levels.get_mut(level) {
@@ -314,6 +319,7 @@ impl View {
             }
             first = at;
         }
+        self.overhangs(grid);
         Ok(())
     }
 
@@ -334,6 +340,24 @@ impl View {
     #[must_use]
     pub fn w_bits(&self) -> u32 {
         self.w_bits
+    }
+
+    /// What discs reach beyond the cells of each level, by the coarsest level that may be drawn.
+    fn overhangs(&mut self, grid: &Grid<'_>) {
+        let farthest = self
+            .levels
+            .first()
+            .map_or(0, |l| self.root.w.saturating_add(l.half.w));
+        let leaf = grid.subdivisions();
+        let drawn = |level: &LevelView| level.stop_w <= farthest;
+        let levels = self.levels.get(1..leaf).unwrap_or_default();
+        let coarsest = 1 + levels.iter().position(drawn).unwrap_or(leaf - 1);
+        // A disc of radius 0.9 moved by 0.87 sides reaches at most 1.26 sides from its cell's
+        // centre, so 0.76 sides beyond it, and a side is at most twice a half extent.
+        for (level, entry) in self.levels.iter_mut().enumerate().take(leaf + 1) {
+            let finer = grid.cells(coarsest) / grid.cells(level).max(1);
+            entry.overhang = 390 / finer.max(2) as i32 + 1;
+        }
     }
 
     /// The displacements of the children of cells of `level`.
@@ -443,15 +467,14 @@ impl View {
         w: i32,
     ) -> [Step; 3] {
         let over = OverW::new::<R>(w, self.k);
-        cells.half_edges.map(|e| {
-            // Differences of points of the cube, so they fit.
-            let of =
-                |e: i32, x: i32, w: i32| over.times_q16((i64::from(e) - self.per_w(x, w)) as i32);
-            Step {
-                x: 2 * of(e.x, x, e.w),
-                y: 2 * of(e.y, y, e.w),
-            }
-        })
+        // Differences of points of the cube, so they fit.
+        let of = |e: i32, x: i32, w: i32| over.times_q16((i64::from(e) - self.per_w(x, w)) as i32);
+        let step = |e: &Homogeneous| Step {
+            x: 2 * of(e.x, x, e.w),
+            y: 2 * of(e.y, y, e.w),
+        };
+        let [along_x, along_y, along_z] = &cells.half_edges;
+        [step(along_x), step(along_y), step(along_z)]
     }
 
     /// A screen coordinate (Q8) times a W, in the unit of X; rounded down.

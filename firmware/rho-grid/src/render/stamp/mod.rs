@@ -28,7 +28,7 @@ mod mask;
 #[cfg(rho_thumb)]
 mod thumb;
 #[cfg(rho_thumb)]
-pub(super) use thumb::STRIDE;
+pub(super) use thumb::{STRIDE, clear};
 
 pub(super) use classes::Classes;
 
@@ -97,6 +97,12 @@ pub(super) struct Parents<'a, 'g> {
     pub(super) first: u32,
     /// Attribute words of the level of their subcells.
     pub(super) words: &'g [u16],
+    /// Subcells of the block's division.
+    #[cfg_attr(
+        not(rho_thumb),
+        allow(dead_code, reason = "part of an argument of safety")
+    )]
+    pub(super) subcells: usize,
     /// Its parents from front to back.
     order: &'a mut ParentList,
     count: usize,
@@ -105,6 +111,7 @@ pub(super) struct Parents<'a, 'g> {
 impl<'a, 'g> Parents<'a, 'g> {
     /// No parents yet.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "fields by name")]
     pub(super) fn new(
         centre: Homogeneous,
         displacements: &'a [Homogeneous],
@@ -112,6 +119,7 @@ impl<'a, 'g> Parents<'a, 'g> {
         level: &'a Level<'g>,
         first: u32,
         words: &'g [u16],
+        subcells: usize,
         order: &'a mut ParentList,
     ) -> Self {
         Self {
@@ -121,6 +129,7 @@ impl<'a, 'g> Parents<'a, 'g> {
             level,
             first,
             words,
+            subcells,
             order,
             count: 0,
         }
@@ -191,15 +200,12 @@ impl<'v> Stamps<'v> {
     #[inline(always)]
     pub(super) fn new(
         view: &'v View,
-        layout: Layout,
+        offset_range: u8,
         steps: &[Step; 3],
         [x, y]: [i32; 2],
         own: i32,
         side: i32,
     ) -> Option<Self> {
-        if layout != Layout::OFFSET_THIN && layout != Layout::OFFSET {
-            return None;
-        }
         // A side of 2.6 pixels has discs of 0.8 sides then: still no holes.
         if own > (REACH - 4) << 8 || side > 170_000 || view.width.min(view.height) < 64 {
             return None;
@@ -218,10 +224,9 @@ impl<'v> Stamps<'v> {
         let breadth = ((radius * length) >> 10) as u32;
 
         // 32nds of a pixel, rounded; below 2.6 pixels, so below 84.
-        let unit = ((side >> 4) * i32::from(layout.offset_range)) >> 7;
+        let unit = ((side >> 4) * i32::from(offset_range)) >> 7;
         let first = (1 << 6) - ((7 * unit) >> 3);
-        let offsets =
-            core::array::from_fn(|step| ((first + ((unit * step as i32) >> 2)) >> 7) as i8);
+        let offset = |step: i32| ((first + ((unit * step) >> 2)) >> 7) as i8;
 
         let packed = |s: &Step| ((s.x >> 6) as u32).wrapping_add(((s.y >> 6) as u32) << 16);
         let [sx, sy, sz] = steps;
@@ -236,12 +241,26 @@ impl<'v> Stamps<'v> {
             sight: (-ty as u32).wrapping_add((-tx as u32) << 16),
             circle,
             breadth,
-            offsets,
+            offsets: [
+                offset(0),
+                offset(1),
+                offset(2),
+                offset(3),
+                offset(4),
+                offset(5),
+                offset(6),
+                offset(7),
+            ],
             cells: [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0],
             along_z,
             corner: (corner(x, view.width), corner(y, view.height)),
             size: (view.width, view.height),
         })
+    }
+
+    /// Whether samples of this layout can be stamped.
+    pub(super) fn stamps(layout: Layout) -> bool {
+        layout == Layout::OFFSET_THIN || layout == Layout::OFFSET
     }
 
     /// How far a disc reaches beyond its cell's bounds at most, Q8.

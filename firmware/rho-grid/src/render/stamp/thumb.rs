@@ -11,8 +11,8 @@
 //! nothing else. Each access lies within what the pointer was made from:
 //!
 //! * *order*: `count` entries, at least one, made by [`Parents`].
-//! * *displacements*: an entry's subcell is one of the block's division, whose displacements
-//!   [`stamp`] checks to be there.
+//! * *displacements*: an entry's subcell comes from a mask, which names subcells of the block's
+//!   division only ([`Grid`](crate::blob::Grid) again); [`stamp`] checks that all have theirs.
 //! * *masks, bases, offsets, words*: an entry's rank is below the number of the block's children;
 //!   [`Grid`](crate::blob::Grid) has proved that they, their children and the children's words exist.
 //!   Only words of children are read.
@@ -28,7 +28,8 @@
 
 #![allow(unsafe_code, reason = "the one place with assembly")]
 
-use core::arch::global_asm;
+use core::arch::{asm, global_asm};
+use core::mem::MaybeUninit;
 
 use super::lists::{LISTS, Lists};
 use super::mask::{Direction, HALF_PLANES, WINDOWS};
@@ -39,6 +40,32 @@ use crate::shading::SHADED;
 
 /// Bytes from row to row of the frames that the assembly knows.
 pub(in crate::render) const STRIDE: usize = 240;
+
+/// Sets all words to 0, eight an instruction.
+pub(in crate::render) fn clear(words: &mut [u32]) {
+    let (chunks, rest) = words.as_chunks_mut::<32>();
+    if !chunks.is_empty() {
+        let chunks = chunks.as_mut_ptr_range();
+        // SAFETY: four times eight words a round, from the first chunk to the end of the last.
+        unsafe {
+            asm!(
+                "1:",
+                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
+                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
+                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
+                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
+                "cmp {at}, {end}",
+                "bne 1b",
+                at = inout(reg) chunks.start => _,
+                end = in(reg) chunks.end,
+                in("r2") 0, in("r3") 0, in("r4") 0, in("r5") 0,
+                in("r8") 0, in("r9") 0, in("r10") 0, in("r12") 0,
+                options(nostack),
+            );
+        }
+    }
+    rest.fill(0);
+}
 
 /// What the assembly reads; the offsets stand in its first lines.
 #[repr(C)]
@@ -82,7 +109,7 @@ struct Block {
     /// 140.
     lists: *const Lists,
     /// 144: bits, place and words of each plane.
-    planes: [u32; 9],
+    planes: MaybeUninit<[u32; 9]>,
 }
 
 unsafe extern "C" {
@@ -104,15 +131,12 @@ pub(super) fn stamp(
     // 63 pixels on, and the window's three.
     let last = corner + 66 * (STRIDE as i32 + 1);
     let [_, _, a, b, c, d, e, f, g, h, i, ..] = stamps.cells;
-    let subcells = parents.displacements.len();
     let order = parents.order.get(..parents.count).unwrap_or_default();
     if corner < 0
         || last as usize >= pixels.len()
         || stamps.breadth >= 1 << 8
         || order.is_empty()
-        || order
-            .iter()
-            .any(|parent| (parent >> 8 & 255) as usize >= subcells)
+        || parents.displacements.len() < parents.subcells
     {
         return;
     }
@@ -156,7 +180,7 @@ pub(super) fn stamp(
         order: order.start,
         end: order.end,
         lists: LISTS.as_ptr(),
-        planes: [0; 9],
+        planes: MaybeUninit::uninit(),
     };
     // SAFETY: the module's argument; all that is pointed to is borrowed here.
     unsafe {
