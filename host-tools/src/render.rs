@@ -90,7 +90,10 @@ pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outco
         let inner = Tones::<WIDEST, { 3 * WIDEST + 4 }>::cleared(&mut buffer, width, height)
             .ok_or_else(|| internal("frame size"))?;
         let mut target = Recorder::new(inner, &mut w, width);
-        render::draw_seen(mode, &grid, &tables, &table, &mut target);
+        let reach = render::draw_seen(mode, &grid, &tables, &table, &mut target);
+        if let Some(reach) = reach {
+            target.inner.fill(reach);
+        }
         let palette = Palette::new(blob.materials(), BACKGROUND);
         let tones = target.inner.rows().flatten();
         words = tones.map(|tone| palette.colour(*tone)).collect();

@@ -17,7 +17,7 @@ pub trait Shade {
 
     /// The tones of the first material, if colours are tones.
     #[cfg(rho_thumb)]
-    fn tones(&self) -> Option<&[u8; SHADED]> {
+    fn tones(&self) -> Option<&[u8; COUNT]> {
         None
     }
 }
@@ -92,11 +92,6 @@ impl Shade for Shading<'_> {
 
 /// Tones there are: seven bits.
 const TONES: usize = 128;
-/// Bits of a normal that its tone does not tell.
-const FINER: u32 = 2;
-/// Normals that are shaded: the faces one refinement above those of the attribute words.
-pub const SHADED: usize = COUNT >> FINER;
-
 /// How bright each normal is, for frames of a byte a pixel.
 ///
 /// The palette is divided evenly among the materials: with one there are 128 steps from dark to
@@ -104,7 +99,7 @@ pub const SHADED: usize = COUNT >> FINER;
 #[derive(Clone, Debug)]
 pub struct ToneTable {
     /// Doubled, plus one ([`Tones`](crate::render::Tones)); of the first material.
-    tones: [u8; SHADED],
+    tones: [u8; COUNT],
     /// From a material's tones to the next one's.
     per_material: u32,
     under_normal: u32,
@@ -116,7 +111,7 @@ impl ToneTable {
     #[must_use]
     pub const fn empty() -> Self {
         Self {
-            tones: [0; SHADED],
+            tones: [0; COUNT],
             per_material: 0,
             under_normal: 0,
             material: 0,
@@ -124,30 +119,50 @@ impl ToneTable {
     }
 
     /// Shades all normals with a light towards `towards`, a unit vector in the grid's own axes.
+    ///
+    /// Of two opposite normals one faces away from the light, so four sums shade eight normals.
     pub fn shade(&mut self, layout: Layout, materials: usize, towards: [Unit; 3]) {
         let steps = steps(materials) as i32;
         self.per_material = 2 * steps as u32;
         self.under_normal = u32::from(layout.offset + layout.material) & 15;
         self.material = layout.material_of(u32::MAX);
-        let [lx, ly, lz] = towards.map(|c| i32::from(c.to_bits()));
-        for (face, [x, y, z]) in FACES.iter().step_by(1 << FINER).enumerate() {
-            let (x, y, z) = (i32::from(*x) * lx, i32::from(*y) * ly, i32::from(*z) * lz);
-            let octants = self.tones.iter_mut().skip(face).step_by(OCTANT >> FINER);
-            for (octant, tone) in octants.enumerate() {
-                let sign = |bit: usize, v: i32| if octant & bit == 0 { v } else { -v };
-                // Q28, cut to Q14 and to 1.
-                let dot = sign(4, x) + sign(2, y) + sign(1, z);
-                let lit = (dot.max(0) >> 14).min(1 << 14);
-                let step = (lit * (steps - 1) + (1 << 13)) >> 14;
-                *tone = (2 * step + 1) as u8;
-            }
+        // The brightest step at 2^8; with a normal's 2^14, a step is 2^22.
+        let [lx, ly, lz] = towards.map(|c| (i32::from(c.to_bits()) * (steps - 1)) >> 6);
+        let (front, opposite) = self.tones.split_at_mut(COUNT / 2);
+        let (front, _) = front.as_chunks_mut::<OCTANT>();
+        let (opposite, _) = opposite.as_chunks_mut::<OCTANT>();
+        let ([f0, f1, f2, f3], [b0, b1, b2, b3]) = (front, opposite) else {
+            return;
+        };
+        let brightest = 2 * steps - 1;
+        let of = |sum: i32| ((2 * ((sum + (1 << 21)) >> 22) + 1).min(brightest)) as u8;
+        let pair = |front: &mut u8, opposite: &mut u8, sum: i32| {
+            let (lit, dark) = if sum >= 0 {
+                (front, opposite)
+            } else {
+                (opposite, front)
+            };
+            *lit = of(sum.abs());
+            *dark = 1;
+        };
+        let fronts = f0.iter_mut().zip(f1).zip(f2).zip(f3);
+        let opposites = b0.iter_mut().zip(b1).zip(b2).zip(b3);
+        for ((face, (((f0, f1), f2), f3)), (((b0, b1), b2), b3)) in
+            FACES.iter().zip(fronts).zip(opposites)
+        {
+            let [x, y, z] = face.map(i32::from);
+            let (x, y, z) = (x * lx, y * ly, z * lz);
+            pair(f0, b3, x + y + z);
+            pair(f1, b2, x + y - z);
+            pair(f2, b1, x - y + z);
+            pair(f3, b0, x - y - z);
         }
     }
 }
 
 impl Shade for ToneTable {
     #[cfg(rho_thumb)]
-    fn tones(&self) -> Option<&[u8; SHADED]> {
+    fn tones(&self) -> Option<&[u8; COUNT]> {
         Some(&self.tones)
     }
 
@@ -160,7 +175,7 @@ impl Shade for ToneTable {
 
     #[inline(always)]
     fn of_normal(&self, index: u32) -> u16 {
-        let tone = self.tones.get((index >> FINER) as usize % SHADED);
+        let tone = self.tones.get(index as usize % COUNT);
         tone.copied().unwrap_or(0).into()
     }
 }
@@ -250,6 +265,26 @@ mod tests {
             let green = f64::from(colour >> 5 & 63);
             assert!((green - value * 63.0).abs() < 0.52, "{index}: {green}");
             assert_eq!(colour >> 11, colour & 31);
+        }
+    }
+
+    #[test]
+    fn every_tone_is_the_exact_one_or_a_step_beside_it_where_rounding_is_close() {
+        let light = [-0.48, 0.6, 0.64f64];
+        let towards = light.map(|v| Unit::from_bits((v * 16384.0).round() as i16));
+        for materials in [1, 3, 8] {
+            let mut table = ToneTable::empty();
+            table.shade(Layout::MATERIAL, materials, towards);
+            let last = (steps(materials) - 1) as f64;
+            for index in 0..COUNT as u32 {
+                let n = crate::normal::normal(index).map(|c| f64::from(c.to_bits()) / 16384.0);
+                let dot: f64 = (0..3).map(|k| n[k] * light[k]).sum();
+                let tone = table.colour(index << 3 | (materials - 1) as u32);
+                let first = (materials - 1) * steps(materials);
+                assert_eq!(tone & 1, 1);
+                let step = f64::from(tone >> 1) - first as f64;
+                assert!((step - dot.max(0.0) * last).abs() < 0.62, "{index}: {step}");
+            }
         }
     }
 

@@ -133,9 +133,12 @@ impl<'a> Model<'a> {
                     PanelTones::cleared(tones, camera.width, camera.height)
                 })
                 .ok_or(ModelError::TooLarge)?;
-            watch.time(Phase::Draw, || {
-                draw_seen(*mode, grid, view, tone_table, &mut frame);
+            let reach = watch.time(Phase::Draw, || {
+                draw_seen(*mode, grid, view, tone_table, &mut frame)
             });
+            if let Some(reach) = reach {
+                watch.time(Phase::Fill, || frame.fill(reach));
+            }
             watch.time(Phase::Send, || {
                 let palette = Palette::new(blob.materials(), BACKGROUND);
                 for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {

@@ -69,24 +69,25 @@ pub fn draw_mode(
     match mode.visibility {
         VisibilityMode::Eye => {
             let mut target = EyeOrder::new(frame, buffers.coverage).ok_or(BufferTooSmall)?;
-            draw_seen(mode, grid, view, shading, &mut target);
+            let _ = draw_seen(mode, grid, view, shading, &mut target);
         }
         VisibilityMode::Z => {
             let mut target = ZBuffer::new(frame, buffers.depth).ok_or(BufferTooSmall)?;
-            draw_seen(mode, grid, view, shading, &mut target);
+            let _ = draw_seen(mode, grid, view, shading, &mut target);
         }
     }
     Ok(())
 }
 
-/// As [`draw_mode`], for any [`Visibility`] of the caller's.
+/// As [`draw_mode`], for any [`Visibility`] of the caller's. Returns the pixels that the cube may
+/// reach; `None` when that is none.
 pub fn draw_seen<V: Visibility>(
     mode: Mode,
     grid: &Grid<'_>,
     view: &View,
     shading: &impl Shade,
     target: &mut V,
-) {
+) -> Option<Rect> {
     match mode.footprint {
         FootprintMode::Point => draw_shaped::<V, Point>(mode, grid, view, shading, target),
         FootprintMode::Splat => draw_shaped::<V, Splat>(mode, grid, view, shading, target),
@@ -101,7 +102,7 @@ fn draw_shaped<V: Visibility, F: Footprint>(
     view: &View,
     shading: &impl Shade,
     target: &mut V,
-) {
+) -> Option<Rect> {
     match mode.reciprocal {
         ReciprocalMode::Divide => draw::<V, F, Divide>(grid, view, shading, target),
         ReciprocalMode::Table => draw::<V, F, Table>(grid, view, shading, target),

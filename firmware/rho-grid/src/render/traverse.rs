@@ -131,13 +131,14 @@ struct Walk<'g, 'v, V, S> {
 
 /// Draws `grid` as `view` (prepared for it) sees it.
 ///
-/// Every loop is bounded by the number of nodes; the stack is bounded by the subdivisions.
+/// Every loop is bounded by the number of nodes; the stack is bounded by the subdivisions. Returns
+/// the pixels that the cube may reach.
 pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
     grid: &Grid<'_>,
     view: &View,
     shading: &impl Shade,
     target: &mut V,
-) {
+) -> Option<Rect> {
     Walk {
         grid,
         view,
@@ -146,21 +147,19 @@ pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
         stamps: Stamps::stamps(grid.layout()),
         parents: stamp::NO_PARENTS,
     }
-    .run::<F, R>();
+    .run::<F, R>()
 }
 
 impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
-    fn run<F: Footprint, R: Reciprocal>(&mut self) {
+    fn run<F: Footprint, R: Reciprocal>(&mut self) -> Option<Rect> {
         let mut stack = [Open::NONE; MAX_SUBDIVISIONS];
-        let Some(root) = self.root::<R>() else {
-            return;
-        };
+        let root = self.root::<R>()?;
+        let overhang = self.level(0).overhang;
+        let reach = self.clip(F::reach(root.bounds, overhang))?;
         // How many cells are open; the innermost is stack[open - 1], a cell of level open - 1.
         let mut open = usize::from(self.enter::<F, R>(root, 0, &mut stack));
         while let Some(level) = open.checked_sub(1) {
-            let Some(parent) = stack.get_mut(level) else {
-                return;
-            };
+            let parent = stack.get_mut(level)?;
             if parent.next == parent.count {
                 open = level;
                 continue;
@@ -180,6 +179,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
                 open += usize::from(self.enter::<F, R>(cell, child_level, &mut stack));
             }
         }
+        Some(reach)
     }
 
     /// The whole cube; `None` when it is behind the eye.

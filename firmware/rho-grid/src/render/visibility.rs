@@ -89,9 +89,14 @@ pub trait Visibility {
     ) {
         let x = i32::from(stamp.corner as i16) + stamp.x as i32;
         let y = ((stamp.corner as i32) >> 16) + stamp.y as i32;
-        let middle = ROWS as i32 / 2;
-        if stamp.away && !self.is_open((x + middle) as u32, (y + middle) as u32) {
-            return;
+        if stamp.away {
+            let middle = y + ROWS as i32 / 2;
+            let open = |x: i32| {
+                self.is_open(x as u32, middle as u32) || self.is_open(x as u32, middle as u32 - 1)
+            };
+            if !(x..x + 4).any(open) {
+                return;
+            }
         }
         let mut left = mask();
         while left != 0 {
@@ -112,7 +117,8 @@ pub struct Stamp {
     pub x: u32,
     /// And below it.
     pub y: u32,
-    /// The sample faces away: it shows only where the pixel in the mask's middle is open.
+    /// The sample faces away: it shows only where one of the pixels in the two middle rows of 4 x 4
+    /// is open.
     pub away: bool,
     /// Its distance along the optical axis, as [`Visibility::draw`] takes it.
     pub w: i32,

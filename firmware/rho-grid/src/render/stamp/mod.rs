@@ -19,8 +19,8 @@
 //! pixel and a fortieth of the cosine; tests hold the masks to the exact disc
 //! ([`super::disc`]).
 //!
-//! A sample that faces away is drawn only where the pixel in its middle is open. On a closed surface
-//! it never is, but for the order within a parent; on an open one its back shows.
+//! A sample that faces away is drawn only where one of the eight pixels in its middle is open. On a
+//! closed surface none is, but for the order within a parent; on an open one its back shows.
 
 mod classes;
 mod lists;

@@ -18,7 +18,7 @@
 //!   Only words of children are read.
 //! * *lists*: nine bits of a mask times the size of a list; a list has as many entries as it says.
 //! * *offsets by step, cells*: three bits; the number in a list's entry, 2 to 10.
-//! * *classes, tones*: nine and eleven bits of a word of 16.
+//! * *classes, tones*: nine and thirteen bits of a word of 16.
 //! * *directions*: four bits. *Half-planes*: `ORIGIN` and the number of places are such that no sum of
 //!   a place within a window and a half width stays outside; [`stamp`] bounds `breadth`.
 //! * *circle*: eight or six bits of place, and [`Circle`] has a table of as many.
@@ -34,9 +34,9 @@ use core::mem::MaybeUninit;
 use super::lists::{LISTS, Lists};
 use super::mask::{Direction, HALF_PLANES, WINDOWS};
 use super::{Circle, MAX_PARENTS, Parents, Stamps, classes};
+use crate::normal::COUNT;
 use crate::render::project::Homogeneous;
 use crate::render::tones::{SPREAD, margin};
-use crate::shading::SHADED;
 
 /// Bytes from row to row of the frames that the assembly knows.
 pub(in crate::render) const STRIDE: usize = 240;
@@ -124,7 +124,7 @@ pub(super) fn stamp(
     stamps: &Stamps<'_>,
     parents: &Parents<'_, '_>,
     pixels: &mut [u8],
-    tones: &[u8; SHADED],
+    tones: &[u8; COUNT],
 ) {
     let (x, y) = stamps.corner;
     let corner = margin(STRIDE) as i32 + y * STRIDE as i32 + x;
@@ -264,7 +264,7 @@ global_asm!(
     "ands lr, lr, r12", // the mask
     "beq 4f",
     "ldrd r11, r12, [r0, #60]",
-    "lsr r8, r8, #5",
+    "lsr r8, r8, #3",
     "ldrb r8, [r11, r8]", // the tone
     ".if \\rows == 2",
     "add lr, r12, lr, lsl #3",
@@ -307,9 +307,15 @@ global_asm!(
     "bne 1b",
     "ldr pc, [sp], #4",
     "3:", // it faces away
-    "ldrb lr, [r10, #(\\rows / 2 * 241)]",
-    "tst lr, #1",
-    "bne 4b",
+    "ldr lr, [r10, #(\\rows / 2 * 240)]",
+    "mvn lr, lr",
+    "tst lr, #0x01010101",
+    "bne 5f",
+    "ldr lr, [r10, #(\\rows / 2 * 240 - 240)]",
+    "mvn lr, lr",
+    "tst lr, #0x01010101",
+    "beq 4b",
+    "5:",
     "rsb r11, r11, #0",
     "b 2b",
     ".endm",
