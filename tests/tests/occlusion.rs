@@ -160,8 +160,8 @@ fn is_seen(a: u16, b: u16) -> bool {
 ///
 /// Eye order never covers a pixel that the depth buffer leaves open. It leaves some open that the
 /// depth buffer covers: what is skipped (see the test of that), and of discs the edges of those
-/// that face away. In eye order these are drawn only where the pixel in their middle is open; the
-/// depth buffer, where every pixel is open until all is drawn, has them whole.
+/// that face away. In eye order these are not drawn where all in their middle is covered; to the depth
+/// buffer every pixel is open, and it has them whole.
 #[test]
 fn eye_order_and_the_depth_buffer_show_the_same_but_where_footprints_overhang() {
     for (footprint, limit) in [

@@ -94,8 +94,8 @@ fn the_standard_views_are_as_near_to_the_truth_as_they_were() {
 }
 
 /// As above, for what a user gets who gives no flags but a preset's name. Measured when the limits
-/// were set: 22.6 dB over the union and 24.9 inside by `fast` near, 23.9 and 26.8 by `balanced`,
-/// 26.4 and 29.3 by `fine`; 20.7 and 24.1 by `balanced` far.
+/// were set: 22.7 dB over the union and 25.2 inside by `fast` near, 23.9 and 26.8 by `balanced`,
+/// 26.5 and 29.6 by `fine`; 20.5 and 24.3 by `balanced` far.
 #[test]
 fn the_presets_are_as_near_to_the_truth_as_they_were() {
     let mut missed = String::new();
@@ -103,38 +103,38 @@ fn the_presets_are_as_near_to_the_truth_as_they_were() {
         (
             StandardView::Near,
             [
-                (22.4, 24.7, 0.993, 3),
-                (23.7, 26.6, 0.9943, 0),
-                (26.2, 29.1, 0.9973, 0),
+                (22.4, 24.9, 0.992),
+                (23.6, 26.5, 0.9935),
+                (26.2, 29.2, 0.997),
             ],
         ),
         (
             StandardView::Far,
             [
-                (20.4, 23.9, 0.987, 0),
-                (20.4, 23.9, 0.987, 0),
-                (23.5, 26.1, 0.990, 0),
+                (20.1, 24.0, 0.986),
+                (20.1, 24.0, 0.986),
+                (22.4, 26.5, 0.988),
             ],
         ),
         (
             StandardView::NearTurned,
             [
-                (22.8, 26.1, 0.9925, 1),
-                (24.6, 27.6, 0.9945, 1),
-                (26.8, 29.9, 0.9968, 0),
+                (22.8, 26.2, 0.992),
+                (24.7, 27.9, 0.994),
+                (27.1, 30.4, 0.9965),
             ],
         ),
         (
             StandardView::FarTurned,
             [
-                (20.4, 25.3, 0.984, 0),
-                (20.4, 25.3, 0.984, 0),
-                (22.6, 26.3, 0.990, 0),
+                (20.3, 25.4, 0.981),
+                (20.3, 25.4, 0.981),
+                (22.7, 26.7, 0.989),
             ],
         ),
     ] {
         let truth = truth(view.into(), 5);
-        for (preset, (union, inside, iou, holes)) in Preset::ALL.iter().zip(limits) {
+        for (preset, (union, inside, iou)) in Preset::ALL.iter().zip(limits) {
             let (drawn, cells) = by_preset(*preset, &view.into());
             let measured = judged(&drawn, &truth, cells);
             let line = format!("{preset} {}, {cells} cells: {measured:?}", view.name());
@@ -142,7 +142,7 @@ fn the_presets_are_as_near_to_the_truth_as_they_were() {
             if measured.psnr_union.unwrap() < union
                 || measured.psnr_inside.unwrap() < inside
                 || measured.iou < iou
-                || measured.holes > holes
+                || measured.holes > 0
             {
                 let _ = writeln!(missed, "{line}");
             }
@@ -151,40 +151,25 @@ fn the_presets_are_as_near_to_the_truth_as_they_were() {
     assert!(missed.is_empty(), "{missed}");
 }
 
-/// Nothing proves that discs leave no hole: here is what they leave from all round the bunny.
-///
-/// From below one sees into it, through the holes that its scan has in the base. Backs are drawn
-/// only where the pixel in a disc's middle is open, and that leaves many holes.
+/// Nothing proves that discs leave no hole: here are none from all round the bunny, and none where
+/// backs show, from below through the holes that its scan has in the base.
 #[test]
-fn the_presets_leave_no_more_holes_than_they_did() {
-    let truths: Vec<(View, Truth)> = views()
-        .into_iter()
-        .take(60)
-        .map(|view| (view, truth(view, 1)))
-        .collect();
-    // From above: the most of a view and the sum of 22; from below: the same of 38.
-    for (preset, above, below) in [
-        (Preset::Fast, (5, 55), (131, 2050)),
-        (Preset::Balanced, (3, 20), (91, 1220)),
-        (Preset::Fine, (4, 30), (148, 2500)),
-    ] {
-        let holes = |above: bool| {
-            let truths = truths
-                .iter()
-                .filter(|(view, _)| (view.pitch > 0.0) == above);
-            let of: Vec<usize> = truths
-                .map(|(view, truth)| {
-                    let (drawn, cells) = by_preset(preset, view);
-                    judged(&drawn, truth, cells).holes
-                })
-                .collect();
-            println!("{preset}, from above {above}: {of:?}");
-            (of.iter().copied().max().unwrap(), of.iter().sum::<usize>())
-        };
-        for (seen, limit) in [(holes(true), above), (holes(false), below)] {
-            assert!(seen.0 <= limit.0 && seen.1 <= limit.1, "{preset}: {seen:?}");
+fn the_presets_leave_no_holes_from_all_round() {
+    let mut holes = String::new();
+    let mut inside = 0;
+    for view in views().into_iter().take(60) {
+        let truth = truth(view, 1);
+        for &preset in Preset::ALL {
+            let (drawn, cells) = by_preset(preset, &view);
+            let measured = judged(&drawn, &truth, cells);
+            inside += measured.pixels.inside;
+            if measured.holes > 0 {
+                let _ = writeln!(holes, "{preset} {view:?}: {}", measured.holes);
+            }
         }
     }
+    assert!(inside > 2_000_000, "{inside}");
+    assert!(holes.is_empty(), "{holes}");
 }
 
 /// Where the eye is within a few cells of the surface, bounds that many cells share would be
