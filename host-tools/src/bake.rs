@@ -59,7 +59,12 @@ impl Default for BakeOptions {
 }
 
 /// The grids of [`BakeOptions::standard`]: 54, 81, 108 and 162 cells an axis, for the presets.
-const STANDARD: [&[u8]; 4] = [&[2, 3, 3, 3], &[3, 3, 3, 3], &[2, 3, 2, 3, 3], &[2, 3, 3, 3, 3]];
+const STANDARD: [&[u8]; 4] = [
+    &[2, 3, 3, 3],
+    &[3, 3, 3, 3],
+    &[2, 3, 2, 3, 3],
+    &[2, 3, 3, 3, 3],
+];
 
 impl BakeOptions {
     /// What serves the presets best: thin grids of discs for every distance, as many as fit into

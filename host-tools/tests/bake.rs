@@ -228,6 +228,30 @@ fn several_grids_in_a_blob_are_those_of_blobs_of_their_own() {
     );
 }
 
+/// One command bakes and another draws: what is between them is decided by the model.
+#[test]
+fn without_flags_the_grids_are_the_presets_own_or_for_colours_one_of_boxes() {
+    let folder = folder();
+    let at = folder.path();
+    let grids = |model: &str, flags: &[&str]| -> Vec<(u64, bool)> {
+        let command = [&["bake", model, "-o", "o.rho", "--json"], flags].concat();
+        let grids = json(&rho(at, &command))["grids"].clone();
+        let grids = grids.as_array().unwrap().iter();
+        grids
+            .map(|grid| {
+                let cells = grid["cells"].as_array().unwrap().last().unwrap();
+                let cells = cells.as_u64().unwrap();
+                (cells, grid["layout"]["offset"] == 3)
+            })
+            .collect()
+    };
+    let discs = [(54, true), (81, true), (108, true), (162, true)];
+    assert_eq!(grids("t.obj", &[]), discs);
+    assert_eq!(grids("t.obj", &["--flash", "100K"]), discs[..2]);
+    assert_eq!(grids("teapot", &[]), [(243, false)]);
+    assert_eq!(grids("teapot", &["--white"]), discs);
+}
+
 #[test]
 fn of_several_grids_the_finest_is_left_out_until_the_others_fit() {
     let folder = folder();
@@ -277,6 +301,13 @@ fn flash_that_is_too_small_says_what_could_be() {
     let at = folder.path();
     std::fs::write(at.join("o.rho"), "as it was").unwrap();
     let error = refused(at, &["bake", "t.obj", "-o", "o.rho", "--flash", "400"]);
+    assert!(error.contains("(54 cells an axis)"), "{error}");
+    assert!(error.contains("does not fit by"), "{error}");
+    assert!(error.contains("needs at least"), "{error}");
+    let one = [
+        "bake", "t.obj", "-o", "o.rho", "--layout", "material", "--flash", "400",
+    ];
+    let error = refused(at, &one);
     assert!(
         error.contains("t.obj does not fit into 400 bytes"),
         "{error}"
@@ -601,6 +632,8 @@ fn a_frame_has_the_same_pixels_as_its_numbers_say() {
         "t.rho",
         "-o",
         "f.png",
+        "--preset",
+        "fine",
         "--depth",
         "d.png",
         "--json",
@@ -622,8 +655,12 @@ fn a_frame_has_the_same_pixels_as_its_numbers_say() {
         (&240.into(), &320.into())
     );
     assert_eq!(drawn["visibility"], "z");
-    assert_eq!(drawn["footprint"], "box");
+    assert_eq!(drawn["footprint"], "disc");
     assert_eq!(drawn["reciprocal"], "divide");
+    assert_eq!(
+        (&drawn["frame"], &drawn["grid"]),
+        (&"words".into(), &3.into())
+    );
     assert_eq!(drawn["cell_size"], 1.5);
     let depth = host_tools::depth::Depth::read(&at.join("d.png")).unwrap();
     let known = depth.values.iter().filter(|d| d.is_finite());

@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use host_tools::bake::{BakeOptions, GridChoice, Progress, bake};
 use host_tools::blob_file::BlobFile;
 use host_tools::encode::{Encoding, encode};
 use host_tools::geometry::Geometry;
@@ -24,6 +25,34 @@ pub fn bunny() -> &'static Mesh {
             .unwrap_or_else(|failure| panic!("{failure}"))
             .mesh
     })
+}
+
+/// The bunny's blob as `rho bake` makes it without flags: four thin grids of discs.
+///
+/// # Panics
+/// When it cannot be baked.
+#[must_use]
+pub fn standard_bunny() -> &'static BlobFile {
+    static BUNNY: OnceLock<BlobFile> = OnceLock::new();
+    BUNNY.get_or_init(|| {
+        let path = model::scan("bunny").unwrap_or_else(|failure| panic!("{failure}"));
+        standard(path.to_str().expect("a name in UTF-8"))
+    })
+}
+
+/// The blob of a model as `rho bake` makes it without flags.
+///
+/// # Panics
+/// When it cannot be baked.
+#[must_use]
+pub fn standard(model: &str) -> BlobFile {
+    let options = BakeOptions {
+        grid: GridChoice::Standard(None),
+        ..BakeOptions::default()
+    };
+    let baked =
+        bake(model, &options, &Progress::default()).unwrap_or_else(|failure| panic!("{failure}"));
+    BlobFile::from_bytes(&baked.bytes, model)
 }
 
 /// The bunny's blob, a cell for every cell of the finest grid that it meets.

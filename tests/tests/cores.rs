@@ -8,13 +8,14 @@ use host_tools::render;
 use host_tools::sampling::Separation;
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use rho_grid::blob::Layout;
-use rho_grid::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
+use rho_grid::mode::{FootprintMode, Mode, Preset, ReciprocalMode, VisibilityMode};
 use rho_tests::firmware::{TIMEOUT, ask_of, firmware_for};
 use rho_tests::model;
-use rho_tests::scan::{baked_bunny, bunny, encoded, sampled};
+use rho_tests::scan::{baked_bunny, bunny, encoded, sampled, standard_bunny};
 use rho_viewer::request::{Request, Scene};
 
-/// Every mode on a small model, and the bunny from the standard views.
+/// Every mode on a small model, and the bunny from the standard views: in boxes, in discs and by
+/// every preset, whose loops are in assembly on some cores.
 fn draws_the_hosts_bits(machine: Machine) {
     let firmware = firmware_for(machine);
     let discs = sampled(&Triangles::new(bunny()), &[3; 4], Separation::Six);
@@ -45,6 +46,11 @@ fn draws_the_hosts_bits(machine: Machine) {
                 ..Mode::default()
             },
         ));
+        let camera = View::from(view).camera().unwrap();
+        for preset in Preset::ALL {
+            let mode = preset.mode(&standard_bunny().blob().unwrap(), &camera);
+            cases.push((standard_bunny(), view, mode));
+        }
     }
     for (blob, view, mode) in cases {
         let camera = View::from(view).camera().unwrap();

@@ -5,10 +5,10 @@ use host_tools::render;
 use host_tools::sampling::Separation;
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use rho_grid::blob::Layout;
-use rho_grid::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
+use rho_grid::mode::{FootprintMode, FrameMode, Mode, ReciprocalMode, VisibilityMode};
 use rho_grid::q::PixelSize;
 use rho_tests::random::Random;
-use rho_tests::scan::{bunny, encoded, sampled};
+use rho_tests::scan::{bunny, encoded, sampled, standard_bunny};
 
 fn pick<T: Copy>(random: &mut Random, choices: &[T]) -> T {
     choices[random.bits() as usize % choices.len()]
@@ -46,22 +46,29 @@ fn no_view_overflows_in_any_mode() {
         of(&[5, 4, 2, 2], Separation::TwentySix, Layout::OFFSET),
         of(&[2, 3, 2, 3, 3], Separation::Six, Layout::OFFSET_THIN),
         of(&[4], Separation::TwentySix, Layout::MATERIAL),
+        standard_bunny().clone(),
     ];
     let mut random = Random::new(11);
     let mut drawn = 0;
     for _ in 0..3000 {
         let view = view(&mut random);
+        let blob = blobs[random.bits() as usize % blobs.len()].blob().unwrap();
+        let visibility = pick(&mut random, VisibilityMode::ALL);
         let mode = Mode {
-            visibility: pick(&mut random, VisibilityMode::ALL),
+            visibility,
             footprint: pick(&mut random, FootprintMode::ALL),
             reciprocal: pick(&mut random, ReciprocalMode::ALL),
+            frame: match visibility {
+                VisibilityMode::Eye => pick(&mut random, FrameMode::ALL),
+                VisibilityMode::Z => FrameMode::Words,
+            },
+            grid: random.bits() as u16 % blob.grid_count(),
             cell_size: PixelSize::from_bits((random.bits() as u16) >> (random.bits() % 16)),
             ..Mode::default()
         };
-        let blob = &blobs[random.bits() as usize % blobs.len()];
         // A focal length beyond its Q format is refused by name; everything else is drawn.
         if view.camera().is_ok() {
-            let frame = render::render(&blob.blob().unwrap(), &view, STANDARD_LIGHT, mode);
+            let frame = render::render(&blob, &view, STANDARD_LIGHT, mode);
             drawn += usize::from(frame.unwrap().pixels() > 0);
         }
     }

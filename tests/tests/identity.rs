@@ -10,11 +10,11 @@ use host_tools::render;
 use host_tools::sampling::Separation;
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use rho_grid::blob::Layout;
-use rho_grid::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
+use rho_grid::mode::{FootprintMode, FrameMode, Mode, Preset, ReciprocalMode, VisibilityMode};
 use rho_grid::q::PixelSize;
 use rho_tests::firmware::{ask, firmware};
 use rho_tests::random::Random;
-use rho_tests::scan::{baked_bunny, bunny, encoded, sampled};
+use rho_tests::scan::{baked_bunny, bunny, encoded, sampled, standard, standard_bunny};
 use rho_viewer::request::{Request, Scene};
 
 /// How many emulators run at a time.
@@ -60,17 +60,22 @@ impl Case<'_> {
     }
 }
 
-/// Every visibility, footprint and reciprocal; they take turns with four cell sizes.
+/// Every visibility with the frames that it can draw into, footprint and reciprocal; they take
+/// turns with four cell sizes.
 fn modes() -> Vec<Mode> {
     let mut modes = Vec::new();
-    for &visibility in VisibilityMode::ALL {
+    for (visibility, frame) in [
+        (VisibilityMode::Eye, FrameMode::Words),
+        (VisibilityMode::Eye, FrameMode::Tones),
+        (VisibilityMode::Z, FrameMode::Words),
+    ] {
         for &footprint in FootprintMode::ALL {
             for &reciprocal in ReciprocalMode::ALL {
                 modes.push(Mode {
                     visibility,
                     footprint,
                     reciprocal,
-                    cell_size: PixelSize::ZERO,
+                    frame,
                     ..Mode::default()
                 });
             }
@@ -151,6 +156,48 @@ fn host_and_device_draw_the_same_bits_in_every_mode_from_everywhere() {
             });
         }
     }
+    all_the_same(&cases);
+}
+
+/// What a user gets who chooses nothing but a preset. The host draws each mask pixel by pixel, the
+/// device four pixels a word.
+#[test]
+fn host_and_device_draw_the_same_bits_by_every_preset_from_everywhere() {
+    firmware();
+    // Grids of discs; and a model in colours, which is drawn in boxes.
+    let teapot = standard("teapot");
+    let mut cases = Vec::new();
+    for (name, blob) in [("the bunny", standard_bunny()), ("the teapot", &teapot)] {
+        for view in views() {
+            for preset in Preset::ALL {
+                cases.push(Case {
+                    blob,
+                    name,
+                    view,
+                    mode: preset.mode(&blob.blob().unwrap(), &view.camera().unwrap()),
+                });
+            }
+        }
+    }
+    let grids = |blob: &BlobFile| {
+        let of = cases
+            .iter()
+            .filter(|case| case.blob.bytes() == blob.bytes());
+        let mut grids: Vec<u16> = of.map(|case| case.mode.grid).collect();
+        grids.sort_unstable();
+        grids.dedup();
+        grids
+    };
+    assert_eq!(
+        grids(standard_bunny()),
+        [0, 1, 2, 3],
+        "each serves some view"
+    );
+    all_the_same(&cases);
+}
+
+/// Draws every case on both, several at a time.
+fn all_the_same(cases: &[Case<'_>]) {
     let queue = Mutex::new(cases.iter());
     let differences = Mutex::new(Vec::new());
     thread::scope(|scope| {

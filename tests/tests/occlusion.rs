@@ -62,6 +62,11 @@ impl<V: Visibility> Visibility for Patient<V> {
         false
     }
 
+    /// What is drawn depends on this: it is no skipping.
+    fn is_open(&self, x: u32, y: u32) -> bool {
+        self.inner.is_open(x, y)
+    }
+
     fn draw(&mut self, rect: Rect, w: i32, colour: impl FnOnce() -> u16) {
         self.drawn += 1;
         self.inner.draw(rect, w, colour);
@@ -152,6 +157,11 @@ fn is_seen(a: u16, b: u16) -> bool {
 /// Eye order is exact for cells that hide each other. Where one footprint only overhangs
 /// another's cell, the first in order stays, though the other may be nearer: a neighbour, mostly
 /// of the same colour. Boxes, discs and points overhang little, splats by whole pixels.
+///
+/// Eye order never covers a pixel that the depth buffer leaves open. It leaves some open that the
+/// depth buffer covers: what is skipped (see the test of that), and of discs the edges of those
+/// that face away. In eye order these are not drawn where all in their middle is covered; to the depth
+/// buffer every pixel is open, and it has them whole.
 #[test]
 fn eye_order_and_the_depth_buffer_show_the_same_but_where_footprints_overhang() {
     for (footprint, limit) in [
@@ -160,7 +170,7 @@ fn eye_order_and_the_depth_buffer_show_the_same_but_where_footprints_overhang() 
         (FootprintMode::Box, 0.01),
         (FootprintMode::Disc, 0.015),
     ] {
-        let (mut covered, mut silhouette, mut seen) = (0, 0, 0);
+        let (mut covered, mut more, mut less, mut seen) = (0, 0, 0, 0);
         for (v, view) in views().iter().enumerate() {
             let blob = &blobs()[v % blobs().len()];
             let of = |visibility| {
@@ -176,20 +186,21 @@ fn eye_order_and_the_depth_buffer_show_the_same_but_where_footprints_overhang() 
                 .zip(of(VisibilityMode::Z))
             {
                 covered += usize::from(z != 0);
-                silhouette += usize::from((eye == 0) != (z == 0));
+                more += usize::from(eye != 0 && z == 0);
+                less += usize::from(eye == 0 && z != 0);
                 seen += usize::from(is_seen(eye, z));
             }
         }
-        println!("{footprint}: of {covered} pixels {seen} differ, {silhouette} in cover");
+        println!("{footprint}: of {covered} pixels {seen} differ, {more} more, {less} less");
         let part = seen as f64 / covered as f64;
         assert!(part <= limit, "{footprint}: {part}");
-        // What is skipped in eye order: see the test of that.
-        let skipped = if footprint == FootprintMode::Box {
-            covered / 10_000
-        } else {
-            0
+        assert_eq!(more, 0, "{footprint}");
+        let open = match footprint {
+            FootprintMode::Point | FootprintMode::Splat => 0,
+            FootprintMode::Box => covered / 10_000,
+            FootprintMode::Disc => covered / 1000,
         };
-        assert!(silhouette <= skipped, "{footprint}: {silhouette}");
+        assert!(less <= open, "{footprint}: {less}");
     }
 }
 

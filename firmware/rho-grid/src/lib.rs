@@ -2,8 +2,8 @@
 //!
 //! A model of any number of polygons is baked on a PC into a *blob*: a hierarchy of point samples
 //! in rho x rho x rho grids (Duguet & Drettakis 2003). This crate reads the blob in place, from
-//! flash, and draws it into a [`Frame`](frame::Frame), without heap, floats, unsafe or panics, and
-//! with the same bits on every machine.
+//! flash, and draws it into a [`Frame`](frame::Frame), without heap, floats, panics or (but for the
+//! loops of the feature `asm`) unsafe, and with the same bits on every machine.
 //!
 //! From the outside in:
 //!

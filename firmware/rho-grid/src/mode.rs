@@ -248,7 +248,10 @@ mod tests {
         assert_eq!(cells(Preset::Balanced), [107, 54]);
         assert_eq!(cells(Preset::Fine), [160, 80]);
         // At and in the cube, and at any zoom, there is an answer.
-        assert_eq!(Preset::Fine.cells(&camera(0.0)), Preset::Fine.cells(&camera(0.5)));
+        assert_eq!(
+            Preset::Fine.cells(&camera(0.0)),
+            Preset::Fine.cells(&camera(0.5))
+        );
     }
 
     #[test]

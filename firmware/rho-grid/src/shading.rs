@@ -74,7 +74,6 @@ impl<'a> Shading<'a> {
             material: layout.material_of(u32::MAX),
         })
     }
-
 }
 
 impl Shade for Shading<'_> {

@@ -161,7 +161,7 @@ impl Ready {
     pub fn draw(&self, view: &View, plugin: Option<&Path>) -> Outcome<Run> {
         let camera = view.camera()?;
         let mode = match self.row.way {
-            Way::Renderer { .. } => self.flags.mode(&self.model.blob()?, &camera),
+            Way::Renderer { .. } => self.flags.mode(&self.model.blob()?, &camera)?,
             // Peers have one.
             Way::Points(_) | Way::Triangles(..) => Mode::default(),
         };

@@ -29,13 +29,18 @@ Examples:
   rho bake scan.obj -o scan.rho --flash 512K --up z
   gunzip -c bunny.ply.gz | rho bake - -o - --subdivisions 4 > bunny.rho
 
-Without any flag of the grid, the blob holds what the presets draw best: four grids of 54 to 162
-cells an axis, thin, with offsets, without intermediate samples; or, for a model in several
-colours, one of 243 cells with materials. --flash alone takes as many of them as fit.
---rho N alone is the subdivision of every level, and --subdivisions says how many there are.
-With --flash, --thin or --layout, and no --subdivisions, the finest grid is chosen that fits: a power of --rho, else
-a 2, 4, 5, 2,4 or 2,5 above 3s. Of several grids the finest is left out, with a warning, until
-the others fit. They share the materials, and are numbered as they are given. The same model and flags give the same bytes on any machine.";
+Without a flag of the grid the blob holds what the presets of run and render choose among: four
+grids of 54, 81, 108 and 162 cells an axis, thin, with offsets, without intermediate samples; of a
+model in several colours one grid of 243 cells, with materials. --flash alone takes as many of
+them as fit, the coarser ones first; of a model in several colours the finest grid that fits.
+
+Any other flag of the grid asks for one grid, by --rho 3 --subdivisions 5 where it says nothing
+else. --rho N is the subdivision of every level, and --subdivisions says how many there are. With
+--flash and no --subdivisions, the finest grid is chosen that fits: a power of --rho, else a 2, 4,
+5, 2,4 or 2,5 above 3s. Of several grids the finest is left out, with a warning, until the others
+fit. They share the materials, and are numbered as they are given.
+
+The same model and flags give the same bytes on any machine.";
 
 /// Bake a model into a blob for the microcontroller's flash
 #[derive(Args, Clone, Debug)]
@@ -48,11 +53,11 @@ pub struct Bake {
     /// The blob to write; - for standard output
     #[arg(short, long, value_name = "OUT.rho")]
     pub output: PathBuf,
-    /// Subdivision of all levels, or of each from the root down [default: 3, when another flag is given]; given several
+    /// Subdivision of all levels, or of each from the root down [default: see below]; given several
     /// times, the blob holds a grid for each
     #[arg(long, value_name = "N|N,N,...", help_heading = "Grid")]
     pub rho: Vec<Rho>,
-    /// How often the cube is subdivided [default: 5]
+    /// How often the cube is subdivided [default: 5, where --rho is one number]
     #[arg(long, value_name = "N", help_heading = "Grid")]
     pub subdivisions: Option<u8>,
     /// Leaves are only the cells whose central cross the surface meets: some 40 % fewer
@@ -349,6 +354,8 @@ mod tests {
         Ok(match flags.bake.grid()? {
             GridChoice::Fixed(sequences) => text(&sequences),
             GridChoice::Fits(sequences, bytes) => format!("{} in {bytes}", text(&sequences)),
+            GridChoice::Standard(None) => "standard".to_owned(),
+            GridChoice::Standard(Some(bytes)) => format!("standard in {bytes}"),
             GridChoice::Finest(Some(rho), bytes) => format!("powers of {rho} in {bytes}"),
             GridChoice::Finest(None, bytes) => format!("any in {bytes}"),
         })
@@ -357,7 +364,11 @@ mod tests {
     #[test]
     fn the_grid_is_what_the_flags_say() {
         for (flags, expected) in [
-            (&[][..], "3,3,3,3,3"),
+            (&[][..], "standard"),
+            (&["--flash", "1K"], "standard in 1024"),
+            (&["--thin"], "3,3,3,3,3"),
+            (&["--layout", "material"], "3,3,3,3,3"),
+            (&["--samples", "all"], "3,3,3,3,3"),
             (&["--subdivisions", "2"], "3,3"),
             (&["--rho", "2"], "2,2,2,2,2"),
             (&["--rho", "4", "--subdivisions", "6"], "4,4,4,4,4,4"),
@@ -372,7 +383,7 @@ mod tests {
                 "3,3 and 4,4,4,4,4 in 1024",
             ),
             (&["--rho", "2,3", "--subdivisions", "2"], "2,3"),
-            (&["--flash", "1K"], "any in 1024"),
+            (&["--flash", "1K", "--thin"], "any in 1024"),
             (&["--flash", "1K", "--rho", "3"], "powers of 3 in 1024"),
             (&["--flash", "1K", "--rho", "4,3"], "4,3 in 1024"),
             (&["--flash", "1K", "--subdivisions", "2"], "3,3 in 1024"),

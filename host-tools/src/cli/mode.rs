@@ -4,20 +4,21 @@ use clap::Args;
 use fixed::traits::ToFixed;
 use rho_grid::blob::{Blob, Grid};
 use rho_grid::camera::Camera;
-use rho_grid::mode::{
-    FootprintMode, FrameMode, Mode, Preset, ReciprocalMode, VisibilityMode,
-};
+use rho_grid::mode::{FootprintMode, FrameMode, Mode, Preset, ReciprocalMode, VisibilityMode};
 use rho_grid::q::PixelSize;
+
+use crate::failure::{Failure, Outcome};
 
 /// The flags that choose how a frame is drawn.
 #[derive(Args, Clone, Copy, Debug, Default)]
 #[command(next_help_heading = "Mode")]
 pub struct ModeArgs {
-    /// A tuple of what follows and of the grid: fast, balanced, fine [default: balanced]; the
-    /// flags below override it
+    /// How fine, by a name for all of the following: fast, balanced, fine [default: balanced]; a
+    /// flag beside it overrides its part
     #[arg(long, value_name = "NAME")]
     preset: Option<Preset>,
-    /// Which grid of a blob that has several, counted from 0 as `rho info` does
+    /// Which grid of a blob that has several, counted from 0 as `rho info` does [default: by the
+    /// object's size on the screen]
     #[arg(long, value_name = "N")]
     grid: Option<u16>,
     /// How the nearest sample of a pixel is found: eye, z
@@ -48,24 +49,32 @@ fn pixel_size(text: &str) -> Result<PixelSize, String> {
 
 impl ModeArgs {
     /// The mode in which `blob` is drawn as `camera` sees it.
-    #[must_use]
-    pub fn mode(&self, blob: &Blob<'_>, camera: &Camera) -> Mode {
+    ///
+    /// # Errors
+    /// When the flags contradict each other.
+    pub fn mode(&self, blob: &Blob<'_>, camera: &Camera) -> Outcome<Mode> {
         let preset = self.preset.unwrap_or(Preset::Balanced);
         let preset = preset.mode(blob, camera);
         let visibility = self.visibility.unwrap_or(preset.visibility);
-        // Tones know no depth.
-        let frame = match visibility {
-            VisibilityMode::Eye => preset.frame,
-            VisibilityMode::Z => FrameMode::Words,
+        let frame = match (visibility, self.frame) {
+            (VisibilityMode::Z, Some(FrameMode::Tones)) => {
+                return Err(
+                    Failure::input("a frame of tones is drawn in eye order alone")
+                        .help("leave --visibility z away, or take --frame words"),
+                );
+            }
+            (_, Some(frame)) => frame,
+            (VisibilityMode::Eye, None) => preset.frame,
+            (VisibilityMode::Z, None) => FrameMode::Words,
         };
-        Mode {
+        Ok(Mode {
             visibility,
             footprint: self.footprint.unwrap_or(preset.footprint),
             reciprocal: self.reciprocal.unwrap_or(preset.reciprocal),
-            frame: self.frame.unwrap_or(frame),
+            frame,
             grid: self.grid.unwrap_or(preset.grid),
             cell_size: self.cell_size.unwrap_or(preset.cell_size),
-        }
+        })
     }
 
     /// What should be known before this mode draws this blob.
@@ -83,9 +92,11 @@ impl ModeArgs {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blob_file::BlobFile;
     use crate::encode::{Encoding, encode};
     use crate::palette::Palette;
     use crate::sampling::{Separation, Tree, TreeLevel, TreeSample};
+    use crate::view::{StandardView, View};
     use rho_grid::blob::Layout;
 
     #[test]
@@ -103,9 +114,9 @@ mod tests {
 
     #[test]
     fn discs_without_offsets_are_warned_of() {
-        let camera = crate::view::View::from(crate::view::StandardView::Near).camera();
+        let camera = View::from(StandardView::Near).camera();
         for (layout, warned) in [(Layout::MATERIAL, true), (Layout::OFFSET, false)] {
-            let file = crate::blob_file::BlobFile::from_bytes(&one_leaf(layout), "leaf");
+            let file = BlobFile::from_bytes(&one_leaf(layout), "leaf");
             let blob = file.blob().unwrap();
             let discs = Mode {
                 footprint: FootprintMode::Disc,
@@ -114,24 +125,30 @@ mod tests {
             assert_eq!(ModeArgs::warning(discs, &blob).is_some(), warned);
             // Presets choose what the samples allow.
             let preset = ModeArgs::default().mode(&blob, camera.as_ref().unwrap());
-            assert_eq!(ModeArgs::warning(preset, &blob), None);
+            assert_eq!(ModeArgs::warning(preset.unwrap(), &blob), None);
         }
     }
 
     #[test]
     fn a_flag_overrides_the_preset_and_depths_need_words() {
-        let camera = crate::view::View::from(crate::view::StandardView::Near).camera();
-        let file = crate::blob_file::BlobFile::from_bytes(&one_leaf(Layout::OFFSET), "leaf");
+        let camera = View::from(StandardView::Near).camera().unwrap();
+        let file = BlobFile::from_bytes(&one_leaf(Layout::OFFSET), "leaf");
         let blob = file.blob().unwrap();
         let flags = ModeArgs {
             visibility: Some(VisibilityMode::Z),
             footprint: Some(FootprintMode::Splat),
             ..ModeArgs::default()
         };
-        let mode = flags.mode(&blob, &camera.unwrap());
+        let mode = flags.mode(&blob, &camera).unwrap();
         assert_eq!(mode.visibility, VisibilityMode::Z);
         assert_eq!(mode.footprint, FootprintMode::Splat);
         assert_eq!(mode.frame, FrameMode::Words);
+        let tones = ModeArgs {
+            frame: Some(FrameMode::Tones),
+            ..flags
+        };
+        let failure = tones.mode(&blob, &camera).unwrap_err();
+        assert!(failure.message.contains("eye order"), "{failure}");
     }
 
     fn one_leaf(layout: Layout) -> Vec<u8> {

@@ -32,8 +32,9 @@ Examples:
   rho profile bunny.rho --phase shading_tables --by address
 
 The second of two frames is counted, as by `rho run`: all phases but shading_tables and send,
-unless one is named; each holds the three instructions that read the counter. A function is the innermost one in the source, whatever the optimiser
-joined. Cycles are estimates from the core's tables, for memory without wait states.";
+unless one is named; each holds the three instructions that read the counter. A function is the
+innermost one in the source, whatever the optimiser joined. Cycles are estimates from the core's
+tables, for memory without wait states.";
 
 /// What a line of the table stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -102,7 +103,7 @@ impl ProfileArgs {
         let file = BlobFile::read(&self.model)?;
         let blob = file.blob()?;
         let camera = self.view.view().camera()?;
-        let mode = self.mode.mode(&blob, &camera);
+        let mode = self.mode.mode(&blob, &camera)?;
         if let Some(warning) = ModeArgs::warning(mode, &blob) {
             eprintln!("warning: {warning}");
         }

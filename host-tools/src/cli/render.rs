@@ -15,8 +15,11 @@ use crate::view::ViewArgs;
 
 const EXAMPLES: &str = "\
 Examples:
-  rho render bunny.rho -o frame.png --view near-turned
+  rho render bunny.rho -o frame.png --view near-turned --preset fine
   rho render bunny.rho -o frame.png --depth depth.png --visibility z --footprint splat --json
+
+A preset chooses among the blob's grids by the object's size on the screen, draws discs where the
+samples have offsets, else boxes, in eye order, into tones.
 
 The picture has the panel's 5, 6 and 5 bits, widened to 8 by repeating their upper ones; the
 device draws the same bits. The depth picture is 16-bit grey with its range in two texts.";
@@ -67,7 +70,7 @@ impl Render {
         let file = BlobFile::read(&self.blob)?;
         let blob = file.blob()?;
         let view = self.view_args.view();
-        let mode = self.mode_args.mode(&blob, &view.camera()?);
+        let mode = self.mode_args.mode(&blob, &view.camera()?)?;
         if let Some(warning) = ModeArgs::warning(mode, &blob).filter(|_| !self.quiet) {
             eprintln!("warning: {warning}");
         }
@@ -95,6 +98,8 @@ impl Render {
                     "visibility": mode.visibility.name(),
                     "footprint": mode.footprint.name(),
                     "reciprocal": mode.reciprocal.name(),
+                    "frame": mode.frame.name(),
+                    "grid": mode.grid,
                     "cell_size": mode.cell_size.to_num::<f64>(),
                 })
             );

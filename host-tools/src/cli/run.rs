@@ -18,6 +18,16 @@ use crate::picture::Picture;
 use crate::render;
 use crate::view::ViewArgs;
 
+const EXAMPLES: &str = "\
+Examples:
+  rho run bunny.rho -o frame.png --view near-turned
+  rho run bunny.rho --preset fast --view far --json
+  rho run --picture test-card -o card.png
+
+A preset chooses among the blob's grids by the object's size on the screen, draws discs where the
+samples have offsets, else boxes, in eye order, into tones. Instructions are those of the second of
+two frames, exactly, without the shading tables, the tones' colours and the transfer to the panel.";
+
 /// What to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Subject {
@@ -31,6 +41,7 @@ enum Subject {
 
 /// Draws a frame with the firmware in QEMU and decodes it from the bytes on the panel's wire
 #[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub struct RunArgs {
     /// The baked model
     #[arg(value_name = "OUT.rho")]
@@ -90,7 +101,7 @@ impl RunArgs {
                     .help("name a baked one, or draw the test card: --picture test-card"));
             }
             (Subject::Model, Some(blob)) => {
-                let mode = self.mode.mode(blob, &camera);
+                let mode = self.mode.mode(blob, &camera)?;
                 if let Some(warning) = ModeArgs::warning(mode, blob) {
                     eprintln!("warning: {warning}");
                 }

@@ -174,7 +174,9 @@ impl Footprint for Disc {
 
     #[inline(always)]
     fn reach(b: Bounds, overhang: i32) -> Pixels {
-        let wider = |half: i32| half + ((half * overhang) >> 8) + 8;
+        // Near the eye a half extent has up to 28 bits.
+        let over = |half: i32| (i64::from(half) * i64::from(overhang)) >> 8;
+        let wider = |half: i32| half + over(half) as i32 + 8;
         PixelCentre::of::<8>(wider(b.half_x), wider(b.half_y)).cover::<8>(b.x, b.y)
     }
 }

@@ -206,7 +206,9 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
                     .0
                     .iter()
                     .fold(word(*last), |all, four| all & word(*four)),
-                None => row.iter().fold(COVERED, |all, p| all & u32::from(*p) * COVERED),
+                None => row
+                    .iter()
+                    .fold(COVERED, |all, p| all & u32::from(*p) * COVERED),
             };
             if covered & COVERED != COVERED {
                 return false;
@@ -257,9 +259,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
         mask: impl FnOnce() -> u32,
         colour: impl Fn() -> u16,
     ) {
-        let from = stamp
-            .corner
-            .wrapping_add(stamp.y * STRIDE as u32 + stamp.x) as usize;
+        let from = stamp.corner.wrapping_add(stamp.y * STRIDE as u32 + stamp.x) as usize;
         let Some(window) = self
             .pixels
             .get_mut(from..)
@@ -328,9 +328,23 @@ mod tests {
     fn a_pixel_among_covered_ones_is_filled_and_others_are_not() {
         let mut buffer = [0; tone_words(12, 6)];
         let mut tones = Small::cleared(&mut buffer, 12, 6).unwrap();
-        let all = Rect { x0: 0, x1: 11, y0: 0, y1: 5 };
+        let all = Rect {
+            x0: 0,
+            x1: 11,
+            y0: 0,
+            y1: 5,
+        };
         let cover = |tones: &mut Small<'_>, x, y, tone| {
-            tones.draw(Rect { x0: x, x1: x, y0: y, y1: y }, 0, || tone);
+            tones.draw(
+                Rect {
+                    x0: x,
+                    x1: x,
+                    y0: y,
+                    y1: y,
+                },
+                0,
+                || tone,
+            );
         };
         for (x, y) in [(3, 2), (5, 2), (4, 1), (4, 3), (8, 3), (10, 3), (9, 2)] {
             cover(&mut tones, x, y, 2 * x as u16 + 1);
@@ -339,7 +353,11 @@ mod tests {
         let rows: [&[u8]; 6] = core::array::from_fn(|y| tones.rows().nth(y).unwrap());
         assert_eq!(rows[2][4], 7, "from the left");
         assert_eq!(rows[3][9], 17, "three are enough");
-        let covered: usize = rows.iter().flat_map(|r| r.iter()).map(|t| usize::from(t & 1)).sum();
+        let covered: usize = rows
+            .iter()
+            .flat_map(|r| r.iter())
+            .map(|t| usize::from(t & 1))
+            .sum();
         assert_eq!(covered, 9);
     }
 
@@ -355,7 +373,17 @@ mod tests {
         }
         let covered: usize = tones.rows().flatten().map(|t| usize::from(t & 1)).sum();
         assert_eq!(covered, 16);
-        assert!(tones.is_hidden(Rect { x0: 10, x1: 11, y0: 4, y1: 5 }));
-        assert!(!tones.is_hidden(Rect { x0: 9, x1: 11, y0: 4, y1: 5 }));
+        assert!(tones.is_hidden(Rect {
+            x0: 10,
+            x1: 11,
+            y0: 4,
+            y1: 5
+        }));
+        assert!(!tones.is_hidden(Rect {
+            x0: 9,
+            x1: 11,
+            y0: 4,
+            y1: 5
+        }));
     }
 }

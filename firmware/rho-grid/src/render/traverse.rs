@@ -17,7 +17,6 @@
 //! no projection (a division by next to nothing), so that nothing overflows, nothing in view is
 //! lost and nothing small looks large.
 
-
 use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
 use super::order::{self, List, Order};

@@ -25,7 +25,11 @@ const fn lists(towards_lower_x: bool) -> Lists {
         let list = &mut lists[plane].0;
         let mut step = 0;
         while step < 9 {
-            let x = if towards_lower_x { 2 - step % 3 } else { step % 3 };
+            let x = if towards_lower_x {
+                2 - step % 3
+            } else {
+                step % 3
+            };
             let cell = step / 3 * 3 + x;
             if plane >> cell & 1 == 1 {
                 let rank = (plane & ((1 << cell) - 1)).count_ones() as u8;

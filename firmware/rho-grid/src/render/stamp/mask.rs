@@ -382,7 +382,11 @@ pub(super) fn direction(x: i32, y: i32) -> u32 {
     };
     let quarter = if ax >= ay { eighth } else { 8 - eighth };
     let opposite = (x ^ y) < 0;
-    if opposite { (16 - quarter) % 16 } else { quarter }
+    if opposite {
+        (16 - quarter) % 16
+    } else {
+        quarter
+    }
 }
 
 #[cfg(test)]

@@ -98,7 +98,10 @@ pub(super) struct Parents<'a, 'g> {
     /// Attribute words of the level of their subcells.
     pub(super) words: &'g [u16],
     /// Subcells of the block's division.
-    #[cfg_attr(not(rho_thumb), allow(dead_code, reason = "part of an argument of safety"))]
+    #[cfg_attr(
+        not(rho_thumb),
+        allow(dead_code, reason = "part of an argument of safety")
+    )]
     pub(super) subcells: usize,
     /// Its parents from front to back.
     order: &'a mut ParentList,
@@ -263,7 +266,8 @@ impl<'v> Stamps<'v> {
     /// How far a disc reaches beyond its cell's bounds at most, Q8.
     pub(super) fn overhang(side: i32) -> i32 {
         // 0.9 sides less the half that is within, and the offset: at most 0.87 sides.
-        ((side * 5) >> 10) + 1
+        // Q16 to Q8; shifted first, since near the eye a side has up to 31 bits.
+        (((side >> 4) * 5) >> 6) + 1
     }
 
     /// Stamps all subcells of a block's parents.
@@ -328,7 +332,11 @@ impl<'v> Stamps<'v> {
             let planes = [
                 (low, middle.wrapping_sub(self.along_z), first),
                 (mid, middle, first + low.1),
-                (high, middle.wrapping_add(self.along_z), first + low.1 + mid.1),
+                (
+                    high,
+                    middle.wrapping_add(self.along_z),
+                    first + low.1 + mid.1,
+                ),
             ];
             for ((cells, count), at, first) in order.planes(planes) {
                 if count == 0 {
@@ -382,7 +390,8 @@ impl<'v> Stamps<'v> {
             // The cosine, 2^30 to the unit.
             let towards = class
                 .towards
-                .wrapping_add(class.across.wrapping_mul(self.sight)) as i32;
+                .wrapping_add(class.across.wrapping_mul(self.sight))
+                as i32;
             let mask = || {
                 let cosine = u64::from(towards.unsigned_abs());
                 let half = ((cosine * u64::from(self.breadth)) >> 32) as u32;

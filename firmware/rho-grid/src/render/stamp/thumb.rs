@@ -35,9 +35,9 @@ use core::mem::MaybeUninit;
 use super::lists::{LISTS, Lists};
 use super::mask::{Direction, HALF_PLANES, WINDOWS};
 use super::{Circle, MAX_PARENTS, Parents, Stamps, classes};
+use crate::normal::COUNT;
 use crate::render::project::Homogeneous;
 use crate::render::tones::{SPREAD, margin};
-use crate::normal::COUNT;
 
 /// Bytes from row to row of the frames that the assembly knows.
 pub(in crate::render) const STRIDE: usize = 240;
@@ -286,40 +286,40 @@ global_asm!(
     ".endif",
     "and r9, r8, #15",
     "lsr r8, r8, #4",
-    "ldr r9, [r0, r9, lsl #2]",     // from the plane's middle
-    "ldrh r8, [r4, r8, lsl #1]",    // the attribute word
+    "ldr r9, [r0, r9, lsl #2]",  // from the plane's middle
+    "ldrh r8, [r4, r8, lsl #1]", // the attribute word
     "add r9, r9, r3",
     "and r10, r8, #7",
-    "ldrsb r10, [r0, r10]",         // the offset
+    "ldrsb r10, [r0, r10]", // the offset
     "lsr r11, r8, #7",
     "add r11, r5, r11, lsl #3",
-    "ldrd r11, r12, [r11]",         // across, towards
-    "mla r9, r11, r10, r9",         // the place
+    "ldrd r11, r12, [r11]", // across, towards
+    "mla r9, r11, r10, r9", // the place
     "ubfx r10, r9, #10, #6",
     "lsr lr, r9, #26",
     "rsb lr, lr, lr, lsl #4",
     "add r10, r10, r7",
-    "add r10, r10, lr, lsl #4",     // corner + 240 y + x
+    "add r10, r10, lr, lsl #4", // corner + 240 y + x
     "ldr lr, [r0, #44]",
-    "mla r11, r11, lr, r12",        // the cosine
-    "adds r11, r11, #0",            // clears the carry
+    "mla r11, r11, lr, r12", // the cosine
+    "adds r11, r11, #0",     // clears the carry
     "bmi 3f",
     "2:",
     "ldr lr, [r0, #48]",
-    "umull lr, r11, r11, lr",       // half the strip's width
+    "umull lr, r11, r11, lr", // half the strip's width
     "and r12, r12, #15",
     "ldr lr, [r0, #52]",
     "add r12, lr, r12, lsl #3",
-    "ldrd lr, r12, [r12]",          // across the strip, base
-    "bic r9, r9, #0xFC00FC00",      // the parts of a pixel
+    "ldrd lr, r12, [r12]",     // across the strip, base
+    "bic r9, r9, #0xFC00FC00", // the parts of a pixel
     "mul lr, lr, r9",
     "add lr, lr, #0x02000000",
     "add r12, r12, lr, asr #26",
     "add lr, r12, r11",
-    "sbc r12, r12, r11",            // one less, the carry being clear
+    "sbc r12, r12, r11", // one less, the carry being clear
     "ldrh lr, [r6, lr, lsl #1]",
     "ldrh r12, [r6, r12, lsl #1]",
-    "bic lr, lr, r12",              // the strip
+    "bic lr, lr, r12", // the strip
     ".if \\rows == 2",
     "ubfx r12, r9, #6, #4",
     "ubfx r9, r9, #22, #4",
@@ -333,11 +333,11 @@ global_asm!(
     "ldr r9, [r0, #56]",
     "ldrh r12, [r9, r12, lsl #1]",
     ".endif",
-    "ands lr, lr, r12",             // the mask
+    "ands lr, lr, r12", // the mask
     "beq 4f",
     "ldrd r11, r12, [r0, #60]",
     "lsr r8, r8, #3",
-    "ldrb r8, [r11, r8]",           // the tone
+    "ldrb r8, [r11, r8]", // the tone
     ".if \\rows == 2",
     "add lr, r12, lr, lsl #3",
     "ldrd r11, r12, [lr]",
@@ -378,7 +378,7 @@ global_asm!(
     "cmp r1, r2",
     "bne 1b",
     "ldr pc, [sp], #4",
-    "3:",                           // it faces away
+    "3:", // it faces away
     "ldr lr, [r10, #(\\rows / 2 * 240)]",
     "mvn lr, lr",
     "tst lr, #0x01010101",
@@ -422,13 +422,13 @@ global_asm!(
     "ldm r1, {{r5, r6, r7}}",
     "ldr r1, [r0, #132]",
     "10:",
-    "ldr r12, [r1], #4",            // order, subcell, rank
+    "ldr r12, [r1], #4", // order, subcell, rank
     "str r1, [r0, #132]",
     "ubfx r1, r12, #8, #8",
     "ldr r2, [r0, #108]",
     "add r1, r1, r1, lsl #1",
     "add r1, r2, r1, lsl #2",
-    "ldm r1, {{r1, r2, r3}}",       // the displacement
+    "ldm r1, {{r1, r2, r3}}", // the displacement
     "add lr, r0, #96",
     "ldm lr, {{r8, r9, r10}}",
     "add r1, r1, r8",
@@ -448,18 +448,18 @@ global_asm!(
     "asr r2, r2, r8",
     "ldr r3, [r0, #88]",
     "add r3, r3, r1, lsl #2",
-    "add r3, r3, r2, lsl #18",      // the middle plane's place
+    "add r3, r3, r2, lsl #18", // the middle plane's place
     "ldr r1, [r0, #128]",
     "uxtb r2, r12",
-    "add r1, r1, r2",               // the node
+    "add r1, r1, r2", // the node
     "add r2, r0, #112",
     "ldm r2, {{r8, r9, r10, r11}}",
-    "ldr r8, [r8, r1, lsl #2]",     // its mask
+    "ldr r8, [r8, r1, lsl #2]", // its mask
     "lsr r2, r1, #9",
     "ldr r9, [r9, r2, lsl #2]",
     "ldrh r10, [r10, r1, lsl #1]",
     "add r9, r9, r10",
-    "add r11, r11, r9, lsl #1",     // its first child's word
+    "add r11, r11, r9, lsl #1", // its first child's word
     "ldr r9, [r0, #140]",
     "tst r12, #0x10000",
     "it ne",
