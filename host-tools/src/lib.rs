@@ -4,6 +4,7 @@
 pub mod bake;
 pub mod blob_file;
 pub mod cli;
+pub mod colour;
 pub mod compare;
 pub mod contents;
 pub mod depth;

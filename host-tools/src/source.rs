@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::failure::{Failure, Outcome};
-use crate::geometry::{self, Geometry, PROCEDURAL};
+use crate::geometry::Geometry;
+use crate::geometry::procedural::{self, PROCEDURAL, Procedural};
 use crate::mesh::Mesh;
 use crate::model::{self, LoadOptions, SourceInfo, Up};
 
@@ -51,7 +52,8 @@ impl ModelArgs {
 
 /// A model that was found.
 pub struct Model {
-    /// The file's name without its folder, `standard input`, or the object's name.
+    /// The file's name without its folder, `standard input`, or the object's name with its
+    /// parameters as they were given.
     pub name: String,
     /// What it is made of.
     pub shape: Shape,
@@ -104,13 +106,14 @@ impl Model {
     }
 }
 
-/// Finds and reads a model: one of [`PROCEDURAL`] by its name (`./teapot` is a file), `-` for a
-/// file on standard input, else a path, also one within the folder `models`.
+/// Finds and reads a model: one of [`PROCEDURAL`] by its name (`./teapot` is a file), with
+/// parameters after a colon; `-` for a file on standard input; else a path, also one within the
+/// folder `models`.
 ///
 /// # Errors
-/// Exit 2: nothing has that name, or as [`model::load`].
+/// Exit 2: nothing has that name, a parameter cannot be, or as [`model::load`].
 pub fn open(model: &str, models: Option<&Path>, options: &LoadOptions) -> Outcome<Model> {
-    if let Some(object) = geometry::procedural(model) {
+    if let Some(object) = object(model)? {
         let mut warnings = Vec::new();
         if options.up != Up::Y {
             warnings.push(format!("{model} stands upright already: --up is not used"));
@@ -142,6 +145,24 @@ pub fn open(model: &str, models: Option<&Path>, options: &LoadOptions) -> Outcom
     })
 }
 
+/// An object that needs no file, unless the name is that of none.
+fn object(model: &str) -> Outcome<Option<Box<dyn Geometry>>> {
+    let (name, parameters) = match model.split_once(':') {
+        Some((name, parameters)) => (name, Some(parameters)),
+        None => (model, None),
+    };
+    let Some(object) = Procedural::named(name) else {
+        return Ok(None);
+    };
+    let given = parameters.map_or_else(|| Ok(Default::default()), procedural::parse);
+    let made = given.and_then(|given| object.make(&given));
+    made.map(Some).map_err(|bad| {
+        Failure::input(format!("{name}: {bad}")).help(format!(
+            "write parameters as {name}:name=value,name=value; rho bake --help lists them"
+        ))
+    })
+}
+
 /// Where the file is.
 fn find(model: &str, models: Option<&Path>) -> Outcome<PathBuf> {
     let here = PathBuf::from(model);
@@ -159,7 +180,7 @@ fn find(model: &str, models: Option<&Path>) -> Outcome<PathBuf> {
     }
     Err(Failure::input(message).help(format!(
         "name a model file, or an object that needs none: {}",
-        PROCEDURAL.join(", ")
+        PROCEDURAL.each_ref().map(|object| object.name).join(", ")
     )))
 }
 
@@ -226,6 +247,22 @@ mod tests {
         let model = open("teapot", None, &options).unwrap();
         assert_eq!(model.warnings.len(), 1);
         assert!(model.mesh().colours.is_empty());
+    }
+
+    #[test]
+    fn parameters_follow_the_name_of_an_object() {
+        let model = open_plain("terrain:resolution=3,seed=5", None).unwrap();
+        assert_eq!(model.name, "terrain:resolution=3,seed=5");
+        assert_eq!(model.mesh().triangles.len(), 2 * 9 + 4 * 6 + 2);
+        for (bad, part) in [
+            ("terrain:", "name=value"),
+            ("terrain:seed", "seed is no parameter"),
+            ("terrain:resolution=0", "resolution is 0"),
+            ("teapot:seed=1", "seed is not known"),
+        ] {
+            let failure = open_plain(bad, None).err().unwrap();
+            assert!(failure.message.contains(part), "{failure}");
+        }
     }
 
     #[test]

@@ -13,6 +13,7 @@ use serde_json::json;
 
 use crate::bake::{self, BakeOptions, Baked, GridChoice, LayoutChoice, Progress, Report};
 use crate::failure::{Failure, Outcome};
+use crate::geometry::procedural;
 use crate::replace::{check_replaceable, replace};
 use crate::sampling::{Separation, Sequence};
 use crate::source::{self, ModelArgs};
@@ -29,12 +30,16 @@ Examples:
 With --flash and no --subdivisions the finest grid is chosen that fits: a power of --rho, else
 a 2, 4, 5, 2,4 or 2,5 above 3s. The same model and flags give the same bytes on any machine.";
 
+fn after_help() -> String {
+    format!("{EXAMPLES}\n\n{}", procedural::list())
+}
+
 /// Bake a model into a blob for the microcontroller's flash
 #[derive(Args, Clone, Debug)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = after_help())]
 pub struct Bake {
     /// A mesh: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard input; or
-    /// an object that needs no file: teapot
+    /// an object that needs no file, with its parameters: teapot, terrain:seed=7
     #[arg(required = true, value_name = "MODEL")]
     pub model: Vec<String>,
     /// The blob to write; - for standard output

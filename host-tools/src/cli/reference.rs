@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
 use crate::failure::{Failure, Outcome};
+use crate::geometry::procedural;
 use crate::reference::{Caster, Shot};
 use crate::source::{ModelArgs, Shape};
 use crate::view::ViewArgs;
@@ -23,12 +24,16 @@ The picture is RGBA: coverage is its alpha, and the colour of a pixel that is co
 is the mean over the whole pixel with the background black. The depth picture is 16-bit grey
 with its range in two texts; it holds the depth at each pixel's centre.";
 
+fn after_help() -> String {
+    format!("{EXAMPLES}\n\n{}", procedural::list())
+}
+
 /// Draw the ground truth of a model: rays in f64 against its own triangles
 #[derive(Args, Clone, Debug)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = after_help())]
 pub struct Reference {
     /// A mesh: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard input; or
-    /// an object that needs no file: teapot
+    /// an object that needs no file, with its parameters: teapot, terrain:seed=7
     pub model: String,
     /// The PNG to write; - for standard output
     #[arg(short, long, value_name = "F.png")]
