@@ -14,9 +14,14 @@
 //! which the paper has not.
 
 pub mod cells;
+mod contour;
 mod dice;
+mod field;
+mod implicit;
 pub mod patch;
 pub mod procedural;
+pub mod shapes;
+pub mod sponge;
 pub mod teapot;
 pub mod terrain;
 pub mod tree;

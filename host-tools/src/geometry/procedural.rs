@@ -12,6 +12,8 @@ use std::ops::RangeInclusive;
 use toml::{Table, Value};
 
 use super::Geometry;
+use super::shapes::Shapes;
+use super::sponge::Sponge;
 use super::teapot::Teapot;
 use super::terrain::Terrain;
 use super::tree::{Broad, Willow};
@@ -74,7 +76,7 @@ pub struct Procedural {
 }
 
 /// All of them.
-pub static PROCEDURAL: [Procedural; 4] = [
+pub static PROCEDURAL: [Procedural; 6] = [
     Procedural {
         name: "teapot",
         about: "the Utah teapot on a slab",
@@ -101,6 +103,18 @@ pub static PROCEDURAL: [Procedural; 4] = [
         about: "a weeping willow",
         defaults: || table(&Willow::default()),
         make: make::<Willow>,
+    },
+    Procedural {
+        name: "sponge",
+        about: "Menger's sponge, cut in half; zoom in without end",
+        defaults: || table(&Sponge::default()),
+        make: make::<Sponge>,
+    },
+    Procedural {
+        name: "shapes",
+        about: "balls, boxes, rings ... grown together: a rubber duck",
+        defaults: || table(&Shapes::default()),
+        make: make::<Shapes>,
     },
 ];
 
