@@ -87,11 +87,12 @@ impl Model {
         }
     }
 
-    /// Triangles in the file, also those without area; `None` for a procedural object.
+    /// Triangles in the file, also those without area; `None` for a point cloud and a procedural
+    /// object.
     #[must_use]
     pub fn triangles(&self) -> Option<u64> {
         match &self.shape {
-            Shape::Mesh(_, source) => Some(source.triangles as u64),
+            Shape::Mesh(_, source) => Some(source.triangles as u64).filter(|&n| n > 0),
             Shape::Procedural(_) => None,
         }
     }

@@ -38,8 +38,8 @@ fn after_help() -> String {
 #[derive(Args, Clone, Debug)]
 #[command(after_help = after_help())]
 pub struct Bake {
-    /// A mesh: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard input; or
-    /// an object that needs no file, with its parameters: teapot, terrain:seed=7
+    /// A mesh or points: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard
+    /// input; or an object that needs no file, with its parameters: teapot, terrain:seed=7
     #[arg(required = true, value_name = "MODEL")]
     pub model: Vec<String>,
     /// The blob to write; - for standard output

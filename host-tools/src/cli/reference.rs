@@ -32,8 +32,8 @@ fn after_help() -> String {
 #[derive(Args, Clone, Debug)]
 #[command(after_help = after_help())]
 pub struct Reference {
-    /// A mesh: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard input; or
-    /// an object that needs no file, with its parameters: teapot, terrain:seed=7
+    /// A mesh or points: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard
+    /// input; or an object that needs no file, with its parameters: teapot, terrain:seed=7
     pub model: String,
     /// The PNG to write; - for standard output
     #[arg(short, long, value_name = "F.png")]
