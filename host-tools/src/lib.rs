@@ -26,6 +26,7 @@ pub mod reference;
 pub mod render;
 pub mod replace;
 pub mod sampling;
+pub mod scene;
 pub mod source;
 pub mod text;
 pub mod view;

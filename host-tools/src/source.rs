@@ -5,10 +5,11 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use toml::Table;
 
 use crate::failure::{Failure, Outcome};
 use crate::geometry::Geometry;
-use crate::geometry::procedural::{self, PROCEDURAL, Procedural};
+use crate::geometry::procedural::{self, BadParameter, PROCEDURAL, Procedural};
 use crate::mesh::Mesh;
 use crate::model::{self, LoadOptions, SourceInfo, Up};
 
@@ -114,17 +115,14 @@ impl Model {
 /// # Errors
 /// Exit 2: nothing has that name, a parameter cannot be, or as [`model::load`].
 pub fn open(model: &str, models: Option<&Path>, options: &LoadOptions) -> Outcome<Model> {
-    if let Some(object) = object(model)? {
-        let mut warnings = Vec::new();
-        if options.up != Up::Y {
-            warnings.push(format!("{model} stands upright already: --up is not used"));
-        }
-        return Ok(Model {
-            name: model.to_owned(),
-            shape: Shape::Procedural(object),
-            white: options.white,
-            warnings,
-        });
+    let (name, parameters) = match model.split_once(':') {
+        Some((name, parameters)) => (name, Some(parameters)),
+        None => (model, None),
+    };
+    if let Some(object) = Procedural::named(name) {
+        let given = parameters.map_or_else(|| Ok(Table::new()), procedural::parse);
+        let given = given.map_err(|bad| bad_parameter(name, &bad))?;
+        return make(model, object, &given, options);
     }
     let path = find(model, models)?;
     if path.extension().is_some_and(|e| e == "toml") {
@@ -133,11 +131,19 @@ pub fn open(model: &str, models: Option<&Path>, options: &LoadOptions) -> Outcom
         ))
         .help("name one model file: .ply, .obj, .stl, .glb or .gltf, or one of them .gz"));
     }
+    open_file(&path, options)
+}
+
+/// Reads a model file, or standard input when the path is `-`.
+///
+/// # Errors
+/// As [`model::load`].
+pub fn open_file(path: &Path, options: &LoadOptions) -> Outcome<Model> {
     let name = match path.file_name() {
-        Some(name) if model != "-" => name.to_string_lossy().into_owned(),
+        Some(name) if path != Path::new("-") => name.to_string_lossy().into_owned(),
         _ => "standard input".to_owned(),
     };
-    let loaded = model::load(&path, options)?;
+    let loaded = model::load(path, options)?;
     Ok(Model {
         name,
         shape: Shape::Mesh(loaded.mesh, loaded.source),
@@ -146,22 +152,34 @@ pub fn open(model: &str, models: Option<&Path>, options: &LoadOptions) -> Outcom
     })
 }
 
-/// An object that needs no file, unless the name is that of none.
-fn object(model: &str) -> Outcome<Option<Box<dyn Geometry>>> {
-    let (name, parameters) = match model.split_once(':') {
-        Some((name, parameters)) => (name, Some(parameters)),
-        None => (model, None),
-    };
-    let Some(object) = Procedural::named(name) else {
-        return Ok(None);
-    };
-    let given = parameters.map_or_else(|| Ok(Default::default()), procedural::parse);
-    let made = given.and_then(|given| object.make(&given));
-    made.map(Some).map_err(|bad| {
-        Failure::input(format!("{name}: {bad}")).help(format!(
-            "write parameters as {name}:name=value,name=value; rho bake --help lists them"
-        ))
+/// Makes an object that needs no file; `name` is what it is called.
+///
+/// # Errors
+/// Exit 2: a parameter cannot be.
+pub fn make(
+    name: &str,
+    object: &Procedural,
+    given: &Table,
+    options: &LoadOptions,
+) -> Outcome<Model> {
+    let made = object.make(given);
+    let shape = made.map_err(|bad| bad_parameter(object.name, &bad))?;
+    let mut warnings = Vec::new();
+    if options.up != Up::Y {
+        warnings.push(format!("{name} stands upright already: --up is not used"));
+    }
+    Ok(Model {
+        name: name.to_owned(),
+        shape: Shape::Procedural(shape),
+        white: options.white,
+        warnings,
     })
+}
+
+fn bad_parameter(name: &str, bad: &BadParameter) -> Failure {
+    Failure::input(format!("{name}: {bad}")).help(format!(
+        "write parameters as {name}:name=value,name=value; rho bake --help lists them"
+    ))
 }
 
 /// Where the file is.

@@ -65,6 +65,7 @@ pub(super) fn within<T: Copy + PartialOrd + fmt::Display>(
 pub type Made = Result<Box<dyn Geometry>, BadParameter>;
 
 /// An object that needs no file.
+#[derive(Debug)]
 pub struct Procedural {
     /// What it goes by.
     pub name: &'static str,
@@ -72,6 +73,7 @@ pub struct Procedural {
     pub about: &'static str,
     defaults: fn() -> Table,
     /// From the defaults and what was given.
+    check: fn(&Table, &Table) -> Result<(), BadParameter>,
     make: fn(&Table, &Table) -> Made,
 }
 
@@ -81,39 +83,45 @@ pub static PROCEDURAL: [Procedural; 6] = [
         name: "teapot",
         about: "the Utah teapot on a slab",
         defaults: Table::new,
-        make: |_, given| match given.keys().next() {
-            None => Ok(Box::new(Teapot::new())),
-            Some(name) => Err(unknown(name, &Table::new())),
+        check: no_parameters,
+        make: |defaults, given| {
+            no_parameters(defaults, given)?;
+            Ok(Box::new(Teapot::new()))
         },
     },
     Procedural {
         name: "terrain",
         about: "a block of land with mountains and lakes",
         defaults: || table(&Terrain::default()),
+        check: |defaults, given| read::<Terrain>(defaults, given).map(drop),
         make: make::<Terrain>,
     },
     Procedural {
         name: "tree",
         about: "a broad tree",
         defaults: || table(&Broad::default()),
+        check: |defaults, given| read::<Broad>(defaults, given).map(drop),
         make: make::<Broad>,
     },
     Procedural {
         name: "willow",
         about: "a weeping willow",
         defaults: || table(&Willow::default()),
+        check: |defaults, given| read::<Willow>(defaults, given).map(drop),
         make: make::<Willow>,
     },
     Procedural {
         name: "sponge",
         about: "Menger's sponge, cut in half; zoom in without end",
         defaults: || table(&Sponge::default()),
+        check: |defaults, given| read::<Sponge>(defaults, given).map(drop),
         make: make::<Sponge>,
     },
     Procedural {
         name: "shapes",
         about: "balls, boxes, rings ... grown together: a rubber duck",
         defaults: || table(&Shapes::default()),
+        check: |defaults, given| read::<Shapes>(defaults, given).map(drop),
         make: make::<Shapes>,
     },
 ];
@@ -129,6 +137,14 @@ impl Procedural {
     #[must_use]
     pub fn defaults(&self) -> Table {
         (self.defaults)()
+    }
+
+    /// Whether the object can be made with these parameters.
+    ///
+    /// # Errors
+    /// As [`Procedural::make`].
+    pub fn check(&self, given: &Table) -> Result<(), BadParameter> {
+        (self.check)(&self.defaults(), given)
     }
 
     /// Makes the object with these parameters, and defaults for those not given.
@@ -200,26 +216,36 @@ fn table<T: Serialize>(parameters: &T) -> Table {
 }
 
 fn make<T: Parameters + 'static>(defaults: &Table, given: &Table) -> Made {
+    Ok(read::<T>(defaults, given)?.make())
+}
+
+/// The parameters, checked.
+fn read<T: Parameters>(defaults: &Table, given: &Table) -> Result<T, BadParameter> {
     let mut table = defaults.clone();
-    let read = |table: &Table, name: &str| -> Result<T, BadParameter> {
-        table
-            .clone()
-            .try_into()
-            .map_err(|error: toml::de::Error| BadParameter {
-                name: name.to_owned(),
-                what: format!("cannot be that: {}", error.message()),
-            })
+    let parsed = |table: &Table, name: &str| -> Result<T, BadParameter> {
+        let parsed = table.clone().try_into();
+        parsed.map_err(|error: toml::de::Error| BadParameter {
+            name: name.to_owned(),
+            what: format!("cannot be that: {}", error.message()),
+        })
     };
     // One by one, so that an error is that of the last.
     for (name, value) in given {
         if table.insert(name.clone(), value.clone()).is_none() {
             return Err(unknown(name, defaults));
         }
-        read(&table, name)?;
+        parsed(&table, name)?;
     }
-    let parameters = read(&table, "")?;
+    let parameters = parsed(&table, "")?;
     parameters.check()?;
-    Ok(parameters.make())
+    Ok(parameters)
+}
+
+fn no_parameters(defaults: &Table, given: &Table) -> Result<(), BadParameter> {
+    given
+        .keys()
+        .next()
+        .map_or(Ok(()), |name| Err(unknown(name, defaults)))
 }
 
 fn unknown(name: &str, defaults: &Table) -> BadParameter {
