@@ -182,8 +182,11 @@ fn bad_parameter(name: &str, bad: &BadParameter) -> Failure {
     ))
 }
 
-/// Where the file is.
-fn find(model: &str, models: Option<&Path>) -> Outcome<PathBuf> {
+/// Where a file is: here, or in the folder `models`.
+///
+/// # Errors
+/// Exit 2: in neither; the message lists the objects that need no file.
+pub fn find(model: &str, models: Option<&Path>) -> Outcome<PathBuf> {
     let here = PathBuf::from(model);
     if model == "-" || here.exists() {
         return Ok(here);

@@ -193,3 +193,48 @@ impl Scene {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kept(name: &str) -> Scene {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        let scan = crate::model::scan("bunny").unwrap_or_else(|failure| panic!("{failure}"));
+        Scene::read(&folder.join(name), scan.parent()).unwrap_or_else(|failure| panic!("{failure}"))
+    }
+
+    #[test]
+    fn the_big_scene_has_the_papers_objects_on_a_ground() {
+        let scene = kept("big.toml");
+        assert_eq!((scene.instances.len(), scene.sources.len()), (5, 5));
+        assert!(scene.ground.is_some());
+        assert!(scene.lights.iter().any(|light| light.shadows));
+    }
+
+    #[test]
+    fn the_forest_is_fifty_instances_of_one_tree_on_a_terrain() {
+        let scene = kept("forest.toml");
+        assert_eq!(scene.sources.len(), 2);
+        let trees = scene.instances.iter().filter(|i| i.source == 1);
+        assert_eq!(trees.count(), 50);
+    }
+
+    #[test]
+    fn the_lights_are_three_on_four_materials() {
+        let scene = kept("lights.toml");
+        assert_eq!((scene.lights.len(), scene.materials.len()), (3, 4));
+        assert!(
+            scene
+                .materials
+                .iter()
+                .any(|material| material.exponent > 20)
+        );
+    }
+
+    #[test]
+    fn a_scene_that_is_not_there_is_bad_input() {
+        let failure = Scene::read(Path::new("no/such.toml"), None).unwrap_err();
+        assert!(failure.message.contains("no/such.toml"), "{failure}");
+    }
+}
