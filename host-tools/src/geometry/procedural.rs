@@ -193,9 +193,11 @@ pub fn list() -> String {
         text += &format!("  {:<9} {}\n", object.name, object.about);
         let mut line = String::new();
         for (name, value) in object.defaults() {
-            let value = value
-                .as_str()
-                .map_or_else(|| value.to_string(), str::to_owned);
+            let value = match value {
+                Value::String(text) => text,
+                Value::Array(_) => "[...] in scene files".to_owned(),
+                value => value.to_string(),
+            };
             if line.len() + name.len() + value.len() > 80 {
                 text += &format!("            {}\n", line.trim_end());
                 line.clear();
@@ -206,7 +208,7 @@ pub fn list() -> String {
             text += &format!("            {}\n", line.trim_end());
         }
     }
-    text + "Parameters follow the name: terrain:seed=7,height=0.4"
+    text + "Parameters follow the name: terrain:seed=7,height=0.4; colours are #rrggbb"
 }
 
 /// The parameters as they would be written.

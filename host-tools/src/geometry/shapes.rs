@@ -255,12 +255,8 @@ impl Default for Shapes {
 
 impl Parameters for Shapes {
     fn check(&self) -> Result<(), BadParameter> {
-        if self.parts.is_empty() {
-            return Err(BadParameter {
-                name: "parts".to_owned(),
-                what: "has no part".to_owned(),
-            });
-        }
+        // Every value asks all of them.
+        within("parts count", self.parts.len(), 1..=256)?;
         for part in &self.parts {
             part.shape.check()?;
             within("parts scale", part.scale, 1e-6..=1e6)?;

@@ -55,12 +55,29 @@ pub struct Tree {
 }
 
 impl Tree {
-    fn check(&self) -> Result<(), BadParameter> {
+    fn check(&self, species: &Species) -> Result<(), BadParameter> {
+        /// Half a gigabyte of mesh.
+        const MOST: u32 = 2_000_000;
+
         within("levels", self.levels, 1..=3)?;
         within("branches", self.branches, 1..=80)?;
         within("leaves", self.leaves, 0..=500)?;
         within("leaf_size", self.leaf_size, 0.001..=0.2)?;
-        within("trunk", self.trunk, 0.005..=0.1)
+        within("trunk", self.trunk, 0.005..=0.1)?;
+        // Of the ranges above, no product overflows.
+        let orders = &species.orders[1..self.levels as usize];
+        let twigs = self.branches * orders.iter().map(|order| order.stems).product::<u32>();
+        let leaves = twigs * self.leaves;
+        if leaves > MOST {
+            return Err(BadParameter {
+                name: "leaves".to_owned(),
+                what: format!(
+                    "is {}, on {twigs} twigs {leaves} in all, and may be {MOST} in all",
+                    self.leaves
+                ),
+            });
+        }
+        Ok(())
     }
 }
 
@@ -106,7 +123,7 @@ impl Default for Willow {
 
 impl Parameters for Broad {
     fn check(&self) -> Result<(), BadParameter> {
-        self.0.check()
+        self.0.check(&BROAD)
     }
 
     fn make(&self) -> Box<dyn Geometry> {
@@ -116,7 +133,7 @@ impl Parameters for Broad {
 
 impl Parameters for Willow {
     fn check(&self) -> Result<(), BadParameter> {
-        self.0.check()
+        self.0.check(&WILLOW)
     }
 
     fn make(&self) -> Box<dyn Geometry> {
@@ -506,6 +523,20 @@ mod tests {
             growth.trunk();
             assert_eq!(growth.leaves.len(), 4 * twigs);
         }
+    }
+
+    #[test]
+    fn more_leaves_than_memory_has_room_for_are_refused() {
+        let tree = |branches, leaves| {
+            Broad(Tree {
+                branches,
+                leaves,
+                ..small()
+            })
+        };
+        assert!(tree(80, 130).check().is_ok());
+        let bad = tree(80, 500).check().unwrap_err();
+        assert!(bad.to_string().contains("7680000 in all"), "{bad}");
     }
 
     #[test]
