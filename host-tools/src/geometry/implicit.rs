@@ -4,7 +4,7 @@
 //! at its centre, which is larger than half its diagonal; one with it, by values of both signs
 //! among centre and corners. What is neither is cut into eight, a few times; what then still
 //! is neither counts as met, so that no part of the surface is lost: such a box is nearer to
-//! it than [`SLACK`] of a subcell, where the value is the distance.
+//! it than 0.06 of a subcell, where the value is the distance.
 
 use std::borrow::Cow;
 use std::sync::OnceLock;

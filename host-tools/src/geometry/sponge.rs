@@ -3,7 +3,7 @@
 //! A cube is cut into 27 and loses its middle and the middles of its faces, and so does every
 //! cube that is left. As a field: the largest of the cube's own distance and, for each level,
 //! of how deep a place lies in that level's bars. Each of these changes by at most one unit a
-//! unit, and so does the largest of them: the bound that [`Field`] asks for is proved, not
+//! unit, and so does the largest of them: the bound that an implicit object asks for is proved, not
 //! estimated as it is for Mandelbulbs. On faces it is the distance; opposite an edge or a corner
 //! at least 1/sqrt(3) of it.
 

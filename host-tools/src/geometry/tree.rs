@@ -11,7 +11,7 @@
 //! | --- | --- |
 //! | nBranches, nBaseSize | `Order::stems`, `Order::bare` |
 //! | nDownAngle | `Order::angle`, at the parent's foot and at its tip |
-//! | nLength, ShapeRatio | `Order::length`, [`Crown`] |
+//! | nLength, ShapeRatio | `Order::length`, `Species::crown` |
 //! | nCurve, nCurveV, AttractionUp | `Order::lift`, `Order::wiggle` |
 //!
 //! A leaf is a rhomb of two triangles. Its normal is bent away from the middle of the crown,
