@@ -18,7 +18,7 @@
 //! strung together in the order of their roots.
 //!
 //! Here the paper is left: a sample is not the point nearest the cell's centre, but the mean of the
-//! surface round it ([`blend`]), for leaves and (as Botsch et al. 2002 do) for all above them.
+//! surface round it (`blend`), for leaves and (as Botsch et al. 2002 do) for all above them.
 
 mod blend;
 mod tree;

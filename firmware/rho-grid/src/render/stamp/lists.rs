@@ -135,7 +135,7 @@ mod tests {
                         let cell = 3 * y + x;
                         if plane >> cell & 1 == 1 {
                             let rank = (plane & ((1 << cell) - 1)).count_ones();
-                            expected.push((cell + FIRST | rank << 4) as u8);
+                            expected.push(((cell + FIRST) | (rank << 4)) as u8);
                         }
                     }
                 }
