@@ -64,60 +64,67 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     /// to its left, or else to its right: what no disc reached between discs that hardly touch.
     ///
     /// Row by row from the top, so that a pixel just covered counts for the next one. Pixels at the
-    /// frame's edge are left, and so are four open ones in a row.
+    /// frame's edge are left, and so are four open ones together, the first a multiple of four.
     pub fn fill(&mut self, rect: Rect) {
-        let (x0, y0) = (rect.x0.max(1), rect.y0.max(1));
-        let x1 = rect.x1.min(u32::from(self.width).saturating_sub(2));
+        let y0 = rect.y0.max(1);
         let y1 = rect.y1.min(u32::from(self.height).saturating_sub(2));
-        for y in y0..=y1 {
-            let mut at = Self::at(x0 as i32, y as i32);
-            let end = Self::at(x1 as i32, y as i32);
-            while at <= end {
-                let here = self.pixels.get(at..).and_then(|p| p.first_chunk::<16>());
-                let Some(here) = here else { return };
-                let (words, _) = here.as_chunks::<4>();
-                let all = words.iter().fold(COVERED, |all, w| all & word(*w));
-                let any = words.iter().fold(0, |any, w| any | word(*w));
-                if all != COVERED && any & COVERED != 0 {
-                    for part in 0..4 {
-                        let at = at + 4 * part;
-                        if at <= end {
-                            self.fill_four(at, (end + 1 - at).min(4));
-                        }
-                    }
-                }
-                at += 16;
+        if y0 > y1 {
+            return;
+        }
+        let end = Self::at(0, y1 as i32 + 1);
+        let mut at = Self::at(0, y0 as i32);
+        loop {
+            at = self.next_to_fill(at, end);
+            if at >= end {
+                return;
             }
+            for pixel in at..at + 4 {
+                self.fill_one(pixel);
+            }
+            at += 4;
         }
     }
 
-    /// The first `count` of four pixels.
-    fn fill_four(&mut self, at: usize, count: usize) {
-        let four = |from: usize| {
-            let bytes = self.pixels.get(from..).and_then(|p| p.first_chunk());
-            bytes.map_or(0, |bytes| word(*bytes))
-        };
-        let open = !four(at) & COVERED;
-        if open == 0 || open == COVERED {
-            return;
+    /// Of each four pixels from `from` on, the first of the next four in which one may be filled;
+    /// `end` or more when there are none before that.
+    fn next_to_fill(&self, from: usize, end: usize) -> usize {
+        #[cfg(rho_thumb)]
+        if STRIDE == super::stamp::STRIDE {
+            return super::stamp::next_to_fill(self.pixels, from, end);
         }
-        let covered = |from: usize| four(from) & COVERED;
+        let mut at = from;
+        while at < end && !self.may_be_filled(at) {
+            at += 4;
+        }
+        at
+    }
+
+    fn may_be_filled(&self, at: usize) -> bool {
+        let covered = |from: usize| {
+            let bytes = self.pixels.get(from..).and_then(|p| p.first_chunk());
+            bytes.map_or(0, |bytes| word(*bytes)) & COVERED
+        };
+        let here = covered(at);
+        if here == 0 || here == COVERED {
+            return false;
+        }
         let beside = covered(at - 1) + covered(at + 1);
         let neighbours = beside + covered(at - STRIDE) + covered(at + STRIDE);
         // 3 and 4 have bit 2 when one more is counted.
-        if ((neighbours + COVERED) >> 2) & open == 0 {
-            return;
-        }
-        for at in at..at + count {
-            let pixel = |at: usize| self.pixels.get(at).copied().unwrap_or(0);
-            let (left, right) = (pixel(at - 1), pixel(at + 1));
-            let around =
-                (left & 1) + (right & 1) + (pixel(at - STRIDE) & 1) + (pixel(at + STRIDE) & 1);
-            if pixel(at) & 1 == 0 && around >= 3 {
-                let tone = if left & 1 == 1 { left } else { right };
-                if let Some(pixel) = self.pixels.get_mut(at) {
-                    *pixel = tone;
-                }
+        ((neighbours + COVERED) >> 2) & COVERED & !here != 0
+    }
+
+    fn fill_one(&mut self, at: usize) {
+        let x = (at - margin(STRIDE)) % STRIDE;
+        let pixel = |at: usize| self.pixels.get(at).copied().unwrap_or(0);
+        let (left, right) = (pixel(at - 1), pixel(at + 1));
+        let (above, below) = (pixel(at - STRIDE), pixel(at + STRIDE));
+        let around = (left & 1) + (right & 1) + (above & 1) + (below & 1);
+        let inside = x > 0 && x + 1 < usize::from(self.width);
+        if pixel(at) & 1 == 0 && around >= 3 && inside {
+            let tone = if left & 1 == 1 { left } else { right };
+            if let Some(pixel) = self.pixels.get_mut(at) {
+                *pixel = tone;
             }
         }
     }

@@ -23,6 +23,7 @@
 //!   a place within a window and a half width stays outside; [`stamp`] bounds `breadth`.
 //! * *circle*: eight or six bits of place, and [`Circle`] has a table of as many.
 //! * *spread*: eight bits of a mask.
+//! * *filling*: [`next_to_fill`] checks its bounds itself.
 //! * *pixels*: places have six bits each, so windows begin within 64 x 64 pixels of the corner, and
 //!   [`stamp`] checks that those and three more, each way, are in the frame's bytes.
 
@@ -65,6 +66,77 @@ pub(in crate::render) fn clear(words: &mut [u32]) {
         }
     }
     rest.fill(0);
+}
+
+/// Of each four pixels from `from` on, a multiple of four, the first of the next four in which an open
+/// pixel has three or four covered neighbours; `end` or more when there are none before that.
+pub(in crate::render) fn next_to_fill(pixels: &[u8], from: usize, end: usize) -> usize {
+    // A row and a pixel before, a row and four words after.
+    if from < STRIDE + 1 || end + STRIDE + 20 > pixels.len() || from >= end {
+        return end;
+    }
+    let start = pixels.as_ptr();
+    let mut at = start.wrapping_add(from);
+    // SAFETY: reads of the words within a row, a pixel and sixteen bytes of `at`, which goes from
+    // `from` to `end`; words at other places than multiples of four are read one by one.
+    unsafe {
+        asm!(
+            ".macro RHO_FOUR word, at",
+            "ands r9, \\word, r2",
+            "beq 4f",
+            "cmp r9, r2",
+            "beq 4f",
+            "ldr r10, [{at}, #\\at - 1]",
+            "and r10, r10, r2",
+            "ldr r12, [{at}, #\\at + 1]",
+            "and r12, r12, r2",
+            "add r10, r10, r12",
+            "ldr r12, [{at}, #\\at - 240]",
+            "and r12, r12, r2",
+            "add r10, r10, r12",
+            "ldr r12, [{at}, #\\at + 240]",
+            "and r12, r12, r2",
+            "add r10, r10, r12",
+            "add r10, r10, r2",
+            "lsr r10, r10, #2",
+            "bic r10, r10, r9",
+            "tst r10, r2",
+            "itt ne",
+            "addne {at}, #\\at",
+            "bne 9f",
+            "4:",
+            ".endm",
+            "1:",
+            "ldm {at}, {{r3, r4, r5, r8}}",
+            "orr r9, r3, r4",
+            "orr r9, r9, r5",
+            "orr r9, r9, r8",
+            "tst r9, r2",
+            "beq 3f",
+            "and r9, r3, r4",
+            "and r9, r9, r5",
+            "and r9, r9, r8",
+            "bics r9, r2, r9",
+            "beq 3f",
+            "RHO_FOUR r3, 0",
+            "RHO_FOUR r4, 4",
+            "RHO_FOUR r5, 8",
+            "RHO_FOUR r8, 12",
+            "3:",
+            "add {at}, #16",
+            "cmp {at}, {end}",
+            "blo 1b",
+            "9:",
+            ".purgem RHO_FOUR",
+            at = inout(reg) at,
+            end = in(reg) start.wrapping_add(end),
+            in("r2") 0x0101_0101,
+            out("r3") _, out("r4") _, out("r5") _, out("r8") _, out("r9") _, out("r10") _,
+            out("r12") _,
+            options(nostack, readonly),
+        );
+    }
+    at.addr() - start.addr()
 }
 
 /// What the assembly reads; the offsets stand in its first lines.
