@@ -5,9 +5,11 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use toml::Table;
 
 use crate::failure::{Failure, Outcome};
-use crate::geometry::{self, Geometry, PROCEDURAL};
+use crate::geometry::Geometry;
+use crate::geometry::procedural::{self, BadParameter, PROCEDURAL, Procedural};
 use crate::mesh::Mesh;
 use crate::model::{self, LoadOptions, SourceInfo, Up};
 
@@ -51,7 +53,8 @@ impl ModelArgs {
 
 /// A model that was found.
 pub struct Model {
-    /// The file's name without its folder, `standard input`, or the object's name.
+    /// The file's name without its folder, `standard input`, or the object's name with its
+    /// parameters as they were given.
     pub name: String,
     /// What it is made of.
     pub shape: Shape,
@@ -92,11 +95,12 @@ impl Model {
         !self.white && mesh.colours.windows(2).any(|pair| pair[0] != pair[1])
     }
 
-    /// Triangles in the file, also those without area; `None` for a procedural object.
+    /// Triangles in the file, also those without area; `None` for a point cloud and a procedural
+    /// object.
     #[must_use]
     pub fn triangles(&self) -> Option<u64> {
         match &self.shape {
-            Shape::Mesh(_, source) => Some(source.triangles as u64),
+            Shape::Mesh(_, source) => Some(source.triangles as u64).filter(|&n| n > 0),
             Shape::Procedural(_) => None,
         }
     }
@@ -111,23 +115,21 @@ impl Model {
     }
 }
 
-/// Finds and reads a model: one of [`PROCEDURAL`] by its name (`./teapot` is a file), `-` for a
-/// file on standard input, else a path, also one within the folder `models`.
+/// Finds and reads a model: one of [`PROCEDURAL`] by its name (`./teapot` is a file), with
+/// parameters after a colon; `-` for a file on standard input; else a path, also one within the
+/// folder `models`.
 ///
 /// # Errors
-/// Exit 2: nothing has that name, or as [`model::load`].
+/// Exit 2: nothing has that name, a parameter cannot be, or as [`model::load`].
 pub fn open(model: &str, models: Option<&Path>, options: &LoadOptions) -> Outcome<Model> {
-    if let Some(object) = geometry::procedural(model) {
-        let mut warnings = Vec::new();
-        if options.up != Up::Y {
-            warnings.push(format!("{model} stands upright already: --up is not used"));
-        }
-        return Ok(Model {
-            name: model.to_owned(),
-            shape: Shape::Procedural(object),
-            white: options.white,
-            warnings,
-        });
+    let (name, parameters) = match model.split_once(':') {
+        Some((name, parameters)) => (name, Some(parameters)),
+        None => (model, None),
+    };
+    if let Some(object) = Procedural::named(name) {
+        let given = parameters.map_or_else(|| Ok(Table::new()), procedural::parse);
+        let given = given.map_err(|bad| bad_parameter(name, &bad))?;
+        return make(model, object, &given, options);
     }
     let path = find(model, models)?;
     if path.extension().is_some_and(|e| e == "toml") {
@@ -136,11 +138,19 @@ pub fn open(model: &str, models: Option<&Path>, options: &LoadOptions) -> Outcom
         ))
         .help("name one model file: .ply, .obj, .stl, .glb or .gltf, or one of them .gz"));
     }
+    open_file(&path, options)
+}
+
+/// Reads a model file, or standard input when the path is `-`.
+///
+/// # Errors
+/// As [`model::load`].
+pub fn open_file(path: &Path, options: &LoadOptions) -> Outcome<Model> {
     let name = match path.file_name() {
-        Some(name) if model != "-" => name.to_string_lossy().into_owned(),
+        Some(name) if path != Path::new("-") => name.to_string_lossy().into_owned(),
         _ => "standard input".to_owned(),
     };
-    let loaded = model::load(&path, options)?;
+    let loaded = model::load(path, options)?;
     Ok(Model {
         name,
         shape: Shape::Mesh(loaded.mesh, loaded.source),
@@ -149,8 +159,41 @@ pub fn open(model: &str, models: Option<&Path>, options: &LoadOptions) -> Outcom
     })
 }
 
-/// Where the file is.
-fn find(model: &str, models: Option<&Path>) -> Outcome<PathBuf> {
+/// Makes an object that needs no file; `name` is what it is called.
+///
+/// # Errors
+/// Exit 2: a parameter cannot be.
+pub fn make(
+    name: &str,
+    object: &Procedural,
+    given: &Table,
+    options: &LoadOptions,
+) -> Outcome<Model> {
+    let made = object.make(given);
+    let shape = made.map_err(|bad| bad_parameter(object.name, &bad))?;
+    let mut warnings = Vec::new();
+    if options.up != Up::Y {
+        warnings.push(format!("{name} stands upright already: --up is not used"));
+    }
+    Ok(Model {
+        name: name.to_owned(),
+        shape: Shape::Procedural(shape),
+        white: options.white,
+        warnings,
+    })
+}
+
+fn bad_parameter(name: &str, bad: &BadParameter) -> Failure {
+    Failure::input(format!("{name}: {bad}")).help(format!(
+        "write parameters as {name}:name=value,name=value; rho bake --help lists them"
+    ))
+}
+
+/// Where a file is: here, or in the folder `models`.
+///
+/// # Errors
+/// Exit 2: in neither; the message lists the objects that need no file.
+pub fn find(model: &str, models: Option<&Path>) -> Outcome<PathBuf> {
     let here = PathBuf::from(model);
     if model == "-" || here.exists() {
         return Ok(here);
@@ -166,7 +209,7 @@ fn find(model: &str, models: Option<&Path>) -> Outcome<PathBuf> {
     }
     Err(Failure::input(message).help(format!(
         "name a model file, or an object that needs none: {}",
-        PROCEDURAL.join(", ")
+        PROCEDURAL.each_ref().map(|object| object.name).join(", ")
     )))
 }
 
@@ -233,6 +276,22 @@ mod tests {
         let model = open("teapot", None, &options).unwrap();
         assert_eq!(model.warnings.len(), 1);
         assert!(model.mesh().colours.is_empty());
+    }
+
+    #[test]
+    fn parameters_follow_the_name_of_an_object() {
+        let model = open_plain("terrain:resolution=3,seed=5", None).unwrap();
+        assert_eq!(model.name, "terrain:resolution=3,seed=5");
+        assert_eq!(model.mesh().triangles.len(), 2 * 9 + 4 * 6 + 2);
+        for (bad, part) in [
+            ("terrain:", "name=value"),
+            ("terrain:seed", "seed is no parameter"),
+            ("terrain:resolution=0", "resolution is 0"),
+            ("teapot:seed=1", "seed is not known"),
+        ] {
+            let failure = open_plain(bad, None).err().unwrap();
+            assert!(failure.message.contains(part), "{failure}");
+        }
     }
 
     #[test]

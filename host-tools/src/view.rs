@@ -262,7 +262,13 @@ impl ViewArgs {
     /// The view: `near` unless one is named, then each flag over it.
     #[must_use]
     pub fn view(&self) -> View {
-        let mut view = View::from(self.view.unwrap_or(StandardView::Near));
+        self.view_over(StandardView::Near.into())
+    }
+
+    /// The view: `unnamed` unless one is named, then each flag over it.
+    #[must_use]
+    pub fn view_over(&self, unnamed: View) -> View {
+        let mut view = self.view.map_or(unnamed, View::from);
         view.yaw = self.yaw.unwrap_or(view.yaw);
         view.pitch = self.pitch.unwrap_or(view.pitch);
         view.distance = self.distance.unwrap_or(view.distance);

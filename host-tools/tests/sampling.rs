@@ -5,9 +5,10 @@ use std::sync::atomic::AtomicU64;
 use std::time::Instant;
 
 use glam::DVec3;
+use host_tools::geometry::Geometry;
+use host_tools::geometry::procedural::Procedural;
 use host_tools::geometry::teapot::Teapot;
 use host_tools::geometry::triangles::Triangles;
-use host_tools::geometry::{Geometry, procedural};
 use host_tools::mesh::Mesh;
 use host_tools::model::{self, LoadOptions};
 use host_tools::sampling::{Sampling, Separation, Sequence};
@@ -64,12 +65,12 @@ fn the_teapot_has_the_shape_that_everyone_knows() {
 
 #[test]
 fn the_teapot_and_its_triangles_meet_the_same_cells() {
-    let pot = procedural("teapot").unwrap();
+    let pot = Teapot::new();
     let mesh = pot.mesh();
     for separation in [Separation::TwentySix, Separation::Six] {
         let sampling = sampling(&[2, 3, 3, 3], separation);
         let leaves = AtomicU64::new(0);
-        let true_tree = sampling.sample(&*pot, &leaves).unwrap();
+        let true_tree = sampling.sample(&pot, &leaves).unwrap();
         let tree = sampling.sample(&Triangles::new(&mesh), &leaves).unwrap();
         let (a, b) = (true_tree.leaves() as f64, tree.leaves() as f64);
         assert!((a / b - 1.0).abs() < 1e-3, "{a} {b}");
@@ -80,6 +81,23 @@ fn the_teapot_and_its_triangles_meet_the_same_cells() {
             assert!(a.normal.dot(b.normal) > 0.999, "{a:?} {b:?}");
             assert!((a.offset - b.offset).abs() < 1e-3, "{a:?} {b:?}");
         }
+    }
+}
+
+/// A box that is nearer to the surface than a sixteenth of its diagonal counts as met, so
+/// there are a few leaves more; crossings are exact.
+#[test]
+fn an_implicit_object_and_its_triangles_meet_the_same_cells() {
+    let shapes = Procedural::named("shapes").unwrap();
+    let duck = shapes.make(&shapes.defaults()).unwrap();
+    let mesh = duck.mesh();
+    for (separation, more) in [(Separation::TwentySix, 1.06), (Separation::Six, 1.005)] {
+        let sampling = sampling(&[3; 4], separation);
+        let leaves = AtomicU64::new(0);
+        let true_tree = sampling.sample(&*duck, &leaves).unwrap();
+        let tree = sampling.sample(&Triangles::new(&mesh), &leaves).unwrap();
+        let ratio = true_tree.leaves() as f64 / tree.leaves() as f64;
+        assert!((0.995..more).contains(&ratio), "{separation:?} {ratio}");
     }
 }
 

@@ -64,7 +64,6 @@ fn no_view_overflows_in_any_mode() {
             },
             grid: random.bits() as u16 % blob.grid_count(),
             cell_size: PixelSize::from_bits((random.bits() as u16) >> (random.bits() % 16)),
-            ..Mode::default()
         };
         // A focal length beyond its Q format is refused by name; everything else is drawn.
         if view.camera().is_ok() {

@@ -12,7 +12,7 @@ use embedded_graphics::primitives::{PrimitiveStyle, Rectangle, RoundedRectangle}
 use embedded_graphics::text::{Alignment, Text};
 use embedded_graphics_simulator::SimulatorDisplay;
 use host_tools::blob_file::BlobFile;
-use host_tools::geometry::procedural;
+use host_tools::geometry::teapot::Teapot;
 use host_tools::render::{self, Drawn};
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use rho_grid::frame::Frame;
@@ -25,7 +25,7 @@ use rho_viewer::size::{HEIGHT, WIDTH};
 
 /// The teapot at 81 cells an axis.
 fn teapot() -> BlobFile {
-    baked(&*procedural("teapot").unwrap(), &[3; 4])
+    baked(&Teapot::new(), &[3; 4])
 }
 
 fn view() -> View {

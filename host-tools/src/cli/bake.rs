@@ -16,6 +16,7 @@ use crate::bake::{
 };
 use crate::encode::MAX_GRIDS;
 use crate::failure::{Failure, Outcome};
+use crate::geometry::procedural;
 use crate::replace::{check_replaceable, replace};
 use crate::sampling::{Separation, Sequence};
 use crate::source::{self, ModelArgs};
@@ -42,12 +43,16 @@ fit. They share the materials, and are numbered as they are given.
 
 The same model and flags give the same bytes on any machine.";
 
+fn after_help() -> String {
+    format!("{EXAMPLES}\n\n{}", procedural::list())
+}
+
 /// Bake a model into a blob for the microcontroller's flash
 #[derive(Args, Clone, Debug)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = after_help())]
 pub struct Bake {
-    /// A mesh: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard input; or
-    /// an object that needs no file: teapot
+    /// A mesh or points: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard
+    /// input; or an object that needs no file, with its parameters: teapot, terrain:seed=7
     #[arg(required = true, value_name = "MODEL")]
     pub model: Vec<String>,
     /// The blob to write; - for standard output

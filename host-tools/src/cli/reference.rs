@@ -9,26 +9,35 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
 use crate::failure::{Failure, Outcome};
-use crate::reference::{Caster, Shot};
-use crate::source::{ModelArgs, Shape};
+use crate::geometry::procedural;
+use crate::reference::scene::SceneCaster;
+use crate::reference::{Caster, Shot, Truth};
+use crate::scene::Scene;
+use crate::source::{self, ModelArgs, Shape};
 use crate::view::ViewArgs;
 
 const EXAMPLES: &str = "\
 Examples:
   rho reference bunny.ply.gz -o truth.png --view near-turned
   rho reference teapot -o teapot.png
+  rho reference host-tools/scenes/big.toml -o big.png --models ../shared/models
   rho reference scan.obj -o truth.png --depth depth.png --up z --size 480x640
 
 The picture is RGBA: coverage is its alpha, and the colour of a pixel that is covered in part
 is the mean over the whole pixel with the background black. The depth picture is 16-bit grey
 with its range in two texts; it holds the depth at each pixel's centre.";
 
-/// Draw the ground truth of a model: rays in f64 against its own triangles
+fn after_help() -> String {
+    format!("{EXAMPLES}\n\n{}", procedural::list())
+}
+
+/// Draw the ground truth of a model or scene: rays in f64 against its own triangles
 #[derive(Args, Clone, Debug)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = after_help())]
 pub struct Reference {
-    /// A mesh: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard input; or
-    /// an object that needs no file: teapot
+    /// A mesh or points: .ply, .obj, .stl, .glb or .gltf, or one of them .gz; - for standard
+    /// input; or an object that needs no file, with its parameters: teapot, terrain:seed=7;
+    /// or a scene: .toml
     pub model: String,
     /// The PNG to write; - for standard output
     #[arg(short, long, value_name = "F.png")]
@@ -59,6 +68,14 @@ pub struct Reference {
     pub view_args: ViewArgs,
 }
 
+/// What there is to tell of what was drawn.
+struct Original {
+    format: String,
+    vertices: usize,
+    triangles: usize,
+    warnings: Vec<String>,
+}
+
 impl Reference {
     /// Runs the command.
     ///
@@ -66,8 +83,21 @@ impl Reference {
     /// Exit 2: the model cannot be used, the view is out of range, or a file cannot be written.
     pub fn run(&self) -> Outcome {
         let started = Instant::now();
+        let scene = if Path::new(&self.model)
+            .extension()
+            .is_some_and(|e| e == "toml")
+        {
+            let path = source::find(&self.model, self.model_args.models.as_deref())?;
+            Some(Scene::read(&path, self.model_args.models.as_deref())?)
+        } else {
+            None
+        };
+        let view = match &scene {
+            Some(scene) => self.view_args.view_over(scene.camera),
+            None => self.view_args.view(),
+        };
         let shot = Shot {
-            view: self.view_args.view(),
+            view,
             light: self.view_args.light(),
             samples: if self.exact { 1 } else { self.samples },
             two_sided: self.two_sided,
@@ -80,34 +110,28 @@ impl Reference {
                     .help("name a file for the picture"),
             );
         }
-        let model = self.model_args.open(&self.model)?;
-        if !self.quiet {
-            for warning in &model.warnings {
-                eprintln!("warning: {warning}");
-            }
-        }
-        let mesh = model.mesh();
-        let bar = self.bar(shot.view.height);
-        let caster = Caster::new(&mesh);
-        let truth = caster.render(&shot, &|| bar.inc(1))?;
-        bar.finish_and_clear();
+        let (truth, original) = match scene {
+            Some(mut scene) => self.scene(&mut scene, &shot)?,
+            None => self.model(&shot)?,
+        };
         truth.picture.write(&self.output)?;
         if let Some(depth) = &self.depth {
             truth.depth.write(depth)?;
         }
+        if !self.quiet {
+            for warning in &original.warnings {
+                eprintln!("warning: {warning}");
+            }
+        }
         if self.json {
-            let (vertices, triangles) = match &model.shape {
-                Shape::Mesh(_, source) => (source.vertices, source.triangles),
-                Shape::Procedural(_) => (mesh.positions.len(), mesh.triangles.len()),
-            };
             println!(
                 "{}",
                 json!({
                     "model": self.model,
-                    "format": model.format(),
-                    "vertices": vertices,
-                    "triangles": triangles,
-                    "warnings": model.warnings,
+                    "format": original.format,
+                    "vertices": original.vertices,
+                    "triangles": original.triangles,
+                    "warnings": original.warnings,
                     "width": shot.view.width,
                     "height": shot.view.height,
                     "samples": shot.samples,
@@ -125,6 +149,46 @@ impl Reference {
             );
         }
         Ok(())
+    }
+
+    /// The truth of one model.
+    fn model(&self, shot: &Shot) -> Outcome<(Truth, Original)> {
+        let model = self.model_args.open(&self.model)?;
+        let mesh = model.mesh();
+        let bar = self.bar(shot.view.height);
+        let truth = Caster::new(&mesh).render(shot, &|| bar.inc(1))?;
+        bar.finish_and_clear();
+        let (vertices, triangles) = match &model.shape {
+            Shape::Mesh(_, source) => (source.vertices, source.triangles),
+            Shape::Procedural(_) => (mesh.positions.len(), mesh.triangles.len()),
+        };
+        let original = Original {
+            format: model.format(),
+            vertices,
+            triangles,
+            warnings: model.warnings.clone(),
+        };
+        Ok((truth, original))
+    }
+
+    /// The truth of a scene. `--light` is where its first light stands.
+    fn scene(&self, scene: &mut Scene, shot: &Shot) -> Outcome<(Truth, Original)> {
+        if self.view_args.light.is_some() {
+            scene.lights[0].direction = shot.light;
+        }
+        let options = self.model_args.options();
+        let caster = SceneCaster::new(scene, &options)?;
+        let bar = self.bar(shot.view.height);
+        let truth = caster.render(shot, &|| bar.inc(1))?;
+        bar.finish_and_clear();
+        let (vertices, triangles) = caster.size();
+        let original = Original {
+            format: "scene".to_owned(),
+            vertices,
+            triangles,
+            warnings: caster.warnings().to_vec(),
+        };
+        Ok((truth, original))
     }
 
     /// A bar, on a terminal only.

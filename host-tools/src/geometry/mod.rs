@@ -16,11 +16,21 @@
 //! which the paper has not.
 
 pub mod cells;
+mod contour;
+mod dice;
+mod field;
+mod implicit;
 pub mod patch;
 pub mod portion;
+pub mod procedural;
+pub mod shapes;
+pub mod sponge;
 pub mod teapot;
+pub mod terrain;
+pub mod tree;
 pub mod triangle;
 pub mod triangles;
+mod tube;
 
 use std::borrow::Cow;
 
@@ -87,30 +97,4 @@ pub trait Geometry: Sync {
     /// The object as triangles, fine enough to serve as the truth that pictures are held
     /// against.
     fn mesh(&self) -> Cow<'_, Mesh>;
-}
-
-/// The names that [`procedural`] knows.
-pub const PROCEDURAL: [&str; 1] = ["teapot"];
-
-/// An object that needs no file, by its name; `None` for a name that is not in
-/// [`PROCEDURAL`].
-#[must_use]
-pub fn procedural(name: &str) -> Option<Box<dyn Geometry>> {
-    match name {
-        "teapot" => Some(Box::new(teapot::Teapot::new())),
-        _ => None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_procedural_name_has_an_object() {
-        for name in PROCEDURAL {
-            assert!(procedural(name).is_some_and(|object| object.primitives() > 0));
-        }
-        assert!(procedural("coffee").is_none());
-    }
 }

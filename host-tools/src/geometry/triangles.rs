@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 /// the mesh.
 #[derive(Clone, Debug)]
 pub struct Triangles<'a> {
-    mesh: &'a Mesh,
+    mesh: Cow<'a, Mesh>,
     corners: Vec<Corners>,
 }
 
@@ -23,6 +23,16 @@ impl<'a> Triangles<'a> {
     /// Gathers the corners.
     #[must_use]
     pub fn new(mesh: &'a Mesh) -> Self {
+        Self::of(Cow::Borrowed(mesh))
+    }
+
+    /// The same for a mesh that nobody else needs.
+    #[must_use]
+    pub fn owning(mesh: Mesh) -> Triangles<'static> {
+        Triangles::of(Cow::Owned(mesh))
+    }
+
+    fn of(mesh: Cow<'a, Mesh>) -> Self {
         let corner = |v: u32| mesh.positions[v as usize];
         let corners = mesh.triangles.iter().map(|t| t.map(corner)).collect();
         Self { mesh, corners }
@@ -98,7 +108,7 @@ impl Geometry for Triangles<'_> {
     }
 
     fn mesh(&self) -> Cow<'_, Mesh> {
-        Cow::Borrowed(self.mesh)
+        Cow::Borrowed(&self.mesh)
     }
 }
 

@@ -1,9 +1,11 @@
-//! Reads model files: PLY, OBJ, STL, glTF and GLB, each also gzipped, into a [`Mesh`].
+//! Reads model files: PLY, OBJ, STL, glTF and GLB, each also gzipped, into a [`Mesh`]. Points
+//! without faces become a surface of discs.
 //!
 //! Every reader ends in the same place: a soup of vertices and triangles that is checked,
 //! given normals, turned upright and scaled into cube units. A file that cannot be used is
 //! refused with its name, the place in it and what to do.
 
+mod cloud;
 mod detect;
 mod glb;
 mod input;
@@ -71,7 +73,7 @@ pub struct SourceInfo {
     pub format: Format,
     /// Vertices; of STL and glTF those of the mesh made from it.
     pub vertices: usize,
-    /// Triangles after polygons were cut, those without area included.
+    /// Triangles after polygons were cut, those without area included; 0 of a point cloud.
     pub triangles: usize,
     /// Bytes after inflating.
     pub bytes: u64,
@@ -82,7 +84,7 @@ pub struct SourceInfo {
 /// # Errors
 /// Exit 2 with the file's name and the place in it: when it cannot be read, is empty, cut
 /// short or of another type, holds a number that is not finite or an index out of range, has
-/// no triangle with an area, or needs more memory than allowed.
+/// no triangle with an area nor points enough for a surface, or needs more memory than allowed.
 pub fn load(path: &Path, options: &LoadOptions) -> Outcome<Loaded> {
     let input = Input::open(path, options.memory_limit)?;
     parse(&input, options)

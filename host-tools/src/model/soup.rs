@@ -3,10 +3,12 @@
 
 use glam::DVec3;
 
+use super::cloud::{self, Cloud};
 use super::input::Input;
 use super::{Format, LoadOptions, Loaded, SourceInfo, Up};
 use crate::failure::{Failure, Outcome};
 use crate::mesh::Mesh;
+use crate::text::thousands;
 
 /// Vertices and triangles as the file has them.
 #[derive(Debug, Default)]
@@ -42,16 +44,12 @@ impl Soup {
             return Err(Failure::input(format!("{name} has no vertices"))
                 .help("export the model with its geometry"));
         }
-        if self.triangles.is_empty() {
-            return Err(Failure::input(format!(
-                "{name} has {} vertices but no faces",
-                source.vertices
-            ))
-            .help("point clouds are not baked yet: make a mesh of it first"));
-        }
         let (centre, side) = self.bounding_cube(name)?;
-        // In the file's own numbers, where collinear points are so exactly.
-        self.drop_without_area(name)?;
+        let points = self.triangles.is_empty();
+        if !points {
+            // In the file's own numbers, where collinear points are so exactly.
+            self.drop_without_area(name)?;
+        }
         for p in &mut self.positions {
             *p = (*p - centre) / side;
         }
@@ -60,10 +58,18 @@ impl Soup {
                 *v = DVec3::new(v.x, v.z, -v.y);
             }
         }
-        self.complete_normals();
         if options.white {
             self.colours = Vec::new();
         }
+        if points {
+            let mesh = self.discs(input)?;
+            return Ok(Loaded {
+                mesh,
+                warnings: self.warnings,
+                source,
+            });
+        }
+        self.complete_normals();
         Ok(Loaded {
             mesh: Mesh {
                 positions: self.positions,
@@ -74,6 +80,34 @@ impl Soup {
             warnings: self.warnings,
             source,
         })
+    }
+
+    /// The surface of points without faces.
+    fn discs(&mut self, input: &Input) -> Outcome<Mesh> {
+        let points = self.positions.len() as u64;
+        input.reserve(
+            points * cloud::CORNERS as u64,
+            points * (cloud::CORNERS as u64 - 2),
+        )?;
+        let usable = |n: &DVec3| n.try_normalize();
+        let normals: Option<Vec<DVec3>> = self.normals.iter().map(usable).collect();
+        let cloud = Cloud {
+            positions: std::mem::take(&mut self.positions),
+            // One that cannot be used, and all are made anew: they must agree.
+            normals: normals.unwrap_or_default(),
+            colours: std::mem::take(&mut self.colours),
+        };
+        self.warnings.push(format!(
+            "{}: no faces; its {} points became discs{}",
+            input.name,
+            thousands(points),
+            if cloud.normals.is_empty() {
+                ", their normals guessed from their neighbours"
+            } else {
+                ""
+            }
+        ));
+        cloud.surface(&input.name)
     }
 
     /// The centre and the side of the bounding cube of all vertices.
@@ -87,11 +121,11 @@ impl Soup {
             .fold((first, first), |(min, max), &p| (min.min(p), max.max(p)));
         let side = (max - min).max_element();
         if side == 0.0 {
-            return Err(Failure::input(format!(
-                "{name}: all {} vertices are the same point",
-                self.positions.len()
-            ))
-            .help("export the model again; its size is zero"));
+            let what = match self.positions.len() {
+                1 => format!("{name} has 1 point, which is no surface"),
+                n => format!("{name}: all {n} vertices are the same point"),
+            };
+            return Err(Failure::input(what).help("export the model again; its size is zero"));
         }
         if !SIDES.contains(&side) {
             return Err(Failure::input(format!(
@@ -274,13 +308,9 @@ mod tests {
         let point = soup(&[[3., 1., 2.]; 3], &[[0, 1, 2]]);
         assert!(finish(point).unwrap_err().message.contains("same point"));
         let cloud = soup(&[[3., 1., 2.]; 3], &[]);
-        let failure = finish(cloud).unwrap_err();
-        assert!(
-            failure
-                .help
-                .unwrap()
-                .contains("point clouds are not baked yet")
-        );
+        assert!(finish(cloud).unwrap_err().message.contains("same point"));
+        let point = soup(&[[3., 1., 2.]], &[]);
+        assert!(finish(point).unwrap_err().message.contains("1 point"));
         let huge = soup(
             &[[-1e308, 0., 0.], [1e308, 0., 0.], [0., 1., 0.]],
             &[[0, 1, 2]],

@@ -6,6 +6,7 @@
 
 mod bvh;
 mod ray;
+pub mod scene;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -115,69 +116,9 @@ impl<'a> Caster<'a> {
     /// # Errors
     /// As [`Shot::check`].
     pub fn render(&self, shot: &Shot, row_done: &(dyn Fn() + Sync)) -> Outcome<Truth> {
-        // The same range as the device's.
-        shot.view.camera()?;
-        if !(1..=64).contains(&shot.samples) {
-            return Err(
-                Failure::input(format!("--samples {} is out of range", shot.samples))
-                    .help("use 1 to 64 rays along each axis of a pixel"),
-            );
-        }
-        let (width, height) = (u32::from(shot.view.width), u32::from(shot.view.height));
-        let camera = Rays::new(shot);
-        let rows: Vec<Vec<Pixel>> = (0..height)
-            .into_par_iter()
-            .map(|y| {
-                let row = (0..width).map(|x| self.pixel(&camera, x, y)).collect();
-                row_done();
-                row
-            })
-            .collect();
-        let pixels = || rows.iter().flatten();
-        Ok(Truth {
-            picture: Picture {
-                width,
-                height,
-                rgb: pixels().map(|p| p.rgb).collect(),
-                coverage: Some(pixels().map(|p| p.coverage).collect()),
-            },
-            depth: Depth {
-                width,
-                height,
-                values: pixels().map(|p| p.depth).collect(),
-            },
+        take(shot, DVec3::ZERO, row_done, |camera, x, y| {
+            self.cast(camera, x, y)
         })
-    }
-
-    fn pixel(&self, camera: &Rays<'_>, x: u32, y: u32) -> Pixel {
-        let n = camera.shot.samples;
-        let mut sum = DVec3::ZERO;
-        let mut hits = 0;
-        let mut depth = None;
-        for j in 0..n {
-            for i in 0..n {
-                let at = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
-                let found = self.cast(camera, f64::from(x) + at(i), f64::from(y) + at(j));
-                if let Some((colour, _)) = found {
-                    sum += colour;
-                    hits += 1;
-                }
-                if 2 * i + 1 == n && 2 * j + 1 == n {
-                    depth = Some(found.map_or(f64::INFINITY, |(_, depth)| depth));
-                }
-            }
-        }
-        let rays = f64::from(n * n);
-        let centre = |k: u32| f64::from(k) + 0.5;
-        Pixel {
-            rgb: (sum / rays).to_array().map(|c| c.round() as u8),
-            coverage: (255.0 * f64::from(hits) / rays).round() as u8,
-            // An even grid has no ray through the centre.
-            depth: depth.unwrap_or_else(|| {
-                self.cast(camera, centre(x), centre(y))
-                    .map_or(f64::INFINITY, |(_, depth)| depth)
-            }),
-        }
     }
 
     /// The colour, 0 to 255, and the depth along the camera's axis.
@@ -210,6 +151,42 @@ impl<'a> Caster<'a> {
     }
 }
 
+/// Takes a picture of what `cast` sees: the colour, 0 to 255, and the depth at a place of the
+/// picture, or nothing but the background.
+fn take(
+    shot: &Shot,
+    background: DVec3,
+    row_done: &(dyn Fn() + Sync),
+    cast: impl Fn(&Rays<'_>, f64, f64) -> Option<(DVec3, f64)> + Sync,
+) -> Outcome<Truth> {
+    shot.check()?;
+    let (width, height) = (u32::from(shot.view.width), u32::from(shot.view.height));
+    let camera = Rays::new(shot);
+    let rows: Vec<Vec<Pixel>> = (0..height)
+        .into_par_iter()
+        .map(|y| {
+            let pixel = |x| Pixel::of(&camera, background, &cast, x, y);
+            let row = (0..width).map(pixel).collect();
+            row_done();
+            row
+        })
+        .collect();
+    let pixels = || rows.iter().flatten();
+    Ok(Truth {
+        picture: Picture {
+            width,
+            height,
+            rgb: pixels().map(|p| p.rgb).collect(),
+            coverage: Some(pixels().map(|p| p.coverage).collect()),
+        },
+        depth: Depth {
+            width,
+            height,
+            values: pixels().map(|p| p.depth).collect(),
+        },
+    })
+}
+
 fn mix(hit: &Hit, corners: [DVec3; 3]) -> DVec3 {
     hit.weights[0] * corners[0] + hit.weights[1] * corners[1] + hit.weights[2] * corners[2]
 }
@@ -218,6 +195,42 @@ struct Pixel {
     rgb: [u8; 3],
     coverage: u8,
     depth: f64,
+}
+
+impl Pixel {
+    fn of(
+        camera: &Rays<'_>,
+        background: DVec3,
+        cast: impl Fn(&Rays<'_>, f64, f64) -> Option<(DVec3, f64)>,
+        x: u32,
+        y: u32,
+    ) -> Self {
+        let n = camera.shot.samples;
+        let mut sum = DVec3::ZERO;
+        let mut hits = 0;
+        let mut depth = None;
+        for j in 0..n {
+            for i in 0..n {
+                let at = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
+                let found = cast(camera, f64::from(x) + at(i), f64::from(y) + at(j));
+                sum += found.map_or(background, |(colour, _)| colour);
+                hits += u32::from(found.is_some());
+                if 2 * i + 1 == n && 2 * j + 1 == n {
+                    depth = Some(found.map_or(f64::INFINITY, |(_, depth)| depth));
+                }
+            }
+        }
+        let rays = f64::from(n * n);
+        let centre = |k: u32| f64::from(k) + 0.5;
+        Self {
+            rgb: (sum / rays).to_array().map(|c| c.round() as u8),
+            coverage: (255.0 * f64::from(hits) / rays).round() as u8,
+            // An even grid has no ray through the centre.
+            depth: depth.unwrap_or_else(|| {
+                cast(camera, centre(x), centre(y)).map_or(f64::INFINITY, |(_, depth)| depth)
+            }),
+        }
+    }
 }
 
 /// The rays of a shot.

@@ -209,7 +209,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
                     .fold(word(*last), |all, four| all & word(*four)),
                 None => row
                     .iter()
-                    .fold(COVERED, |all, p| all & u32::from(*p) * COVERED),
+                    .fold(COVERED, |all, p| all & (u32::from(*p) * COVERED)),
             };
             if covered & COVERED != COVERED {
                 return false;

@@ -113,8 +113,11 @@ fn a_face_of_two_corners_is_refused_with_its_number() {
 #[test]
 fn models_without_vertices_faces_area_or_extent_are_refused() {
     assert!(refused("none.ply", ply("", "")).contains("no vertices"));
-    assert!(refused("cloud.ply", ply(THREE, "")).contains("point clouds are not baked yet"));
-    assert!(refused("cloud.obj", "v 0 0 0\nv 1 0 0\n").contains("no faces"));
+    assert!(refused("cloud.ply", ply(THREE, "")).contains("3 different points"));
+    assert!(refused("cloud.obj", "v 0 0 0\nv 1 0 0\n").contains("2 different points"));
+    assert!(refused("one.ply", ply("1 2 3\n", "")).contains("has 1 point"));
+    assert!(refused("same.ply", ply("1 2 3\n1 2 3\n", "")).contains("same point"));
+    assert!(refused("nan.ply", ply("0 0 0\n1 nan 0\n0 1 0\n0 0 1\n", "")).contains("line 11"));
     let flat = ply("0 0 0\n1 0 0\n2 0 0\n", "3 0 1 2\n3 0 0 1\n");
     assert!(refused("flat.ply", flat).contains("all 2 triangles have zero area"));
     assert!(refused("same.ply", ply("1 2 3\n1 2 3\n1 2 3\n", "3 0 1 2\n")).contains("same point"));
