@@ -263,7 +263,7 @@ fn what_is_filled_is_the_same_in_rows_of_any_width() {
                 y1: y,
             };
             if !open.iter().any(inside) {
-                tones.draw(pixel, 0, || (2 * (x + y) as u16 & 0xFE) + 1);
+                tones.draw(pixel, 0, || ((2 * (x + y) as u16) & 0xFE) + 1);
             }
         }
         tones.fill(Rect {
