@@ -187,7 +187,7 @@ fn specks(drawn: &Drawn, truth: &Truth, cells: f64) -> usize {
         .count()
 }
 
-/// Limits that stand at what was measured; they are to go to 0.
+/// Limits, for a view and for all, that stand at what was measured; they are to go to 0.
 #[test]
 fn the_presets_show_no_more_of_what_lies_behind_than_they_did() {
     let truths: Vec<(View, Truth)> = views()
@@ -196,7 +196,7 @@ fn the_presets_show_no_more_of_what_lies_behind_than_they_did() {
         .map(|view| (view, truth(view, 1)))
         .collect();
     let mut more = String::new();
-    for (&preset, limit) in Preset::ALL.iter().zip([(23, 390), (23, 390), (23, 390)]) {
+    for (&preset, limit) in Preset::ALL.iter().zip([(23, 390), (15, 300), (17, 250)]) {
         let of: Vec<usize> = truths
             .iter()
             .map(|(view, truth)| {
