@@ -197,8 +197,7 @@ fn eye_order_and_the_depth_buffer_show_the_same_but_where_footprints_overhang() 
         assert_eq!(more, 0, "{footprint}");
         let open = match footprint {
             FootprintMode::Point | FootprintMode::Splat => 0,
-            FootprintMode::Box => covered / 10_000,
-            FootprintMode::Disc => covered / 1000,
+            FootprintMode::Box | FootprintMode::Disc => covered / 10_000,
         };
         assert!(less <= open, "{footprint}: {less}");
     }

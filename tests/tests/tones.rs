@@ -234,13 +234,70 @@ fn a_frame_is_the_same_in_rows_of_any_width() {
     }
     let mut random = Random::new(22);
     let covered = [
-        compare::<1, 7>(&mut random),
-        compare::<3, 13>(&mut random),
-        compare::<34, 106>(&mut random),
-        compare::<101, 307>(&mut random),
+        compare::<4, 16>(&mut random),
+        compare::<12, 40>(&mut random),
+        compare::<36, 112>(&mut random),
+        compare::<100, 304>(&mut random),
         compare::<240, 724>(&mut random),
-        compare::<1023, 3073>(&mut random),
+        compare::<1000, 3004>(&mut random),
     ];
     println!("{covered:?} pixels");
     assert!(covered.iter().all(|pixels| *pixels > 20), "{covered:?}");
+}
+
+/// As above for what is filled: no pixel counts a neighbour that is in another row.
+#[test]
+fn what_is_filled_is_the_same_in_rows_of_any_width() {
+    fn filled<const STRIDE: usize, const SPAN: usize>(width: u16, open: &[Rect]) -> Vec<u8> {
+        let height = 40;
+        let mut buffer = vec![0; tone_words(STRIDE, height)];
+        let mut tones = Tones::<STRIDE, SPAN>::cleared(&mut buffer, width, height).unwrap();
+        for (y, x) in
+            (0..u32::from(height)).flat_map(|y| (0..u32::from(width)).map(move |x| (y, x)))
+        {
+            let inside = |r: &Rect| (r.x0..=r.x1).contains(&x) && (r.y0..=r.y1).contains(&y);
+            let pixel = Rect {
+                x0: x,
+                x1: x,
+                y0: y,
+                y1: y,
+            };
+            if !open.iter().any(inside) {
+                tones.draw(pixel, 0, || ((2 * (x + y) as u16) & 0xFE) + 1);
+            }
+        }
+        tones.fill(Rect {
+            x0: 0,
+            x1: u32::from(width) - 1,
+            y0: 0,
+            y1: u32::from(height) - 1,
+        });
+        tones.rows().flatten().copied().collect()
+    }
+    let mut random = Random::new(23);
+    for turn in 0..400 {
+        let width = 240 - (turn % 40) as u16;
+        // Single pixels, strips along a row and down a column.
+        let open: Vec<Rect> = (0..200)
+            .map(|_| {
+                let mut below = |side: u32| (random.bits() % u64::from(side)) as u32;
+                let (x0, y0) = (below(width.into()), below(40));
+                let (dx, dy) =
+                    [(0, 0), (below(9), 0), (0, below(4)), (below(40), 0)][below(4) as usize];
+                Rect {
+                    x0,
+                    x1: x0 + dx,
+                    y0,
+                    y1: y0 + dy,
+                }
+            })
+            .collect();
+        let (tight, wide) = (
+            filled::<240, 724>(width, &open),
+            filled::<1024, 3076>(width, &open),
+        );
+        let differ = tight.iter().zip(&wide).position(|(a, b)| a != b);
+        let at = differ.map(|at| (at % usize::from(width), at / usize::from(width)));
+        assert_eq!(at, None, "{width} pixels a row");
+    }
 }

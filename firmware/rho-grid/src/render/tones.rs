@@ -18,8 +18,9 @@ use super::visibility::{Rect, Stamp, Visibility};
 /// The lowest bit of each of four pixels.
 const COVERED: u32 = 0x0101_0101;
 
-/// A frame of tones, `STRIDE` bytes from row to row, for pictures at most so wide. `SPAN` is
-/// `3 * STRIDE + 4`: from the first pixel of a window of four rows to beyond its last.
+/// A frame of tones, `STRIDE` bytes from row to row, for pictures at most so wide: a multiple of 4, so
+/// that four pixels which are filled together lie in one row. `SPAN` is `3 * STRIDE + 4`: from the
+/// first pixel of a window of four rows to beyond its last.
 #[derive(Debug)]
 pub struct Tones<'a, const STRIDE: usize, const SPAN: usize> {
     pixels: &'a mut [u8],
@@ -44,7 +45,7 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     /// the rows or the buffer too short.
     #[must_use]
     pub fn cleared(buffer: &'a mut [u32], width: u16, height: u16) -> Option<Self> {
-        const { assert!(SPAN == 3 * STRIDE + 4) };
+        const { assert!(SPAN == 3 * STRIDE + 4 && STRIDE.is_multiple_of(4)) };
         let buffer = buffer.get_mut(..tone_words(STRIDE, height))?;
         if usize::from(width) > STRIDE {
             return None;
