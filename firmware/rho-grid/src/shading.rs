@@ -134,16 +134,13 @@ impl ToneTable {
         let ([f0, f1, f2, f3], [b0, b1, b2, b3]) = (front, opposite) else {
             return;
         };
-        let brightest = 2 * steps - 1;
-        let of = |sum: i32| ((2 * ((sum + (1 << 21)) >> 22) + 1).min(brightest)) as u8;
+        // Half a step is added, so that a step is rounded to nearest; doubled, plus one. What faces
+        // away is negative, and dark.
+        let half = 1 << 21;
+        let tone = |sum: i32| ((sum >> 21).clamp(0, 255) | 1) as u8;
         let pair = |front: &mut u8, opposite: &mut u8, sum: i32| {
-            let (lit, dark) = if sum >= 0 {
-                (front, opposite)
-            } else {
-                (opposite, front)
-            };
-            *lit = of(sum.abs());
-            *dark = 1;
+            *front = tone(half + sum);
+            *opposite = tone(half - sum);
         };
         let fronts = f0.iter_mut().zip(f1).zip(f2).zip(f3);
         let opposites = b0.iter_mut().zip(b1).zip(b2).zip(b3);
