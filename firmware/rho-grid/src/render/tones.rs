@@ -198,6 +198,10 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
         }
         let count = (r.x1 - r.x0 + 1) as usize;
         let mut at = Self::at(r.x0 as i32, r.y0 as i32);
+        #[cfg(rho_thumb)]
+        if STRIDE == super::stamp::STRIDE && count >= 8 {
+            return super::stamp::is_covered(self.pixels, at, count, (r.y1 - r.y0 + 1) as usize);
+        }
         for _ in r.y0..r.y1 + 1 {
             let row = self.pixels.get(at..at + count).unwrap_or_default();
             // Four pixels at a time; the last four may have been looked at before.

@@ -28,7 +28,7 @@ mod mask;
 #[cfg(rho_thumb)]
 mod thumb;
 #[cfg(rho_thumb)]
-pub(super) use thumb::{STRIDE, clear, next_to_fill};
+pub(super) use thumb::{STRIDE, clear, is_covered, next_to_fill};
 
 pub(super) use classes::Classes;
 

@@ -23,7 +23,7 @@
 //!   a place within a window and a half width stays outside; [`stamp`] bounds `breadth`.
 //! * *circle*: eight or six bits of place, and [`Circle`] has a table of as many.
 //! * *spread*: eight bits of a mask.
-//! * *filling*: [`next_to_fill`] checks its bounds itself.
+//! * *filling*, *covered*: [`next_to_fill`] and [`is_covered`] check their bounds themselves.
 //! * *pixels*: places have six bits each, so windows begin within 64 x 64 pixels of the corner, and
 //!   [`stamp`] checks that those and three more, each way, are in the frame's bytes.
 
@@ -66,6 +66,52 @@ pub(in crate::render) fn clear(words: &mut [u32]) {
         }
     }
     rest.fill(0);
+}
+
+/// Whether all pixels are covered of `rows` rows of `count` from `from` on; both at least 8 and 1.
+pub(in crate::render) fn is_covered(pixels: &[u8], from: usize, count: usize, rows: usize) -> bool {
+    let last = from + rows.saturating_sub(1) * STRIDE + count;
+    if count < 8 || rows == 0 || last > pixels.len() {
+        return false;
+    }
+    let mut left = rows;
+    // SAFETY: reads of `count` bytes of each row, as words: eight at a time from its first, and its
+    // last eight; the last row's end was compared with the pixels'.
+    unsafe {
+        asm!(
+            "2:",
+            "add {p}, {at}, {count}",
+            "ldr {a}, [{p}, #-4]",
+            "ldr {b}, [{p}, #-8]",
+            "lsr {n}, {count}, #3",
+            "and {all}, {a}, {b}",
+            "mov {p}, {at}",
+            "3:",
+            "ldr {a}, [{p}], #4",
+            "ldr {b}, [{p}], #4",
+            "and {all}, {all}, {a}",
+            "and {all}, {all}, {b}",
+            "subs {n}, {n}, #1",
+            "bne 3b",
+            "bics {all}, {bits}, {all}",
+            "bne 4f",
+            "add {at}, {at}, #240",
+            "subs {left}, {left}, #1",
+            "bne 2b",
+            "4:",
+            at = inout(reg) pixels.as_ptr().wrapping_add(from) => _,
+            count = in(reg) count,
+            left = inout(reg) left,
+            bits = in(reg) 0x0101_0101,
+            all = out(reg) _,
+            n = out(reg) _,
+            p = out(reg) _,
+            a = out(reg) _,
+            b = out(reg) _,
+            options(nostack, readonly),
+        );
+    }
+    left == 0
 }
 
 /// Of each four pixels from `from` on, a multiple of four, the first of the next four in which an open
