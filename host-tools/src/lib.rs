@@ -32,6 +32,7 @@ pub mod render;
 pub mod replace;
 pub mod sampling;
 pub mod scene;
+pub mod shadows;
 pub mod source;
 pub mod text;
 pub mod view;

@@ -2,13 +2,14 @@
 
 use fixed::traits::ToFixed;
 use glam::DVec3;
-use rho_grid::blob::Blob;
+use rho_grid::blob::{Blob, Grid};
 use rho_grid::camera::Camera;
 use rho_grid::frame::Frame;
-use rho_grid::mode::{FrameMode, Mode, VisibilityMode};
+use rho_grid::mode::{FrameMode, Mode, ShadowMode, VisibilityMode};
 use rho_grid::q::Unit;
+use rho_grid::render::shadow::Shadows;
 use rho_grid::render::{self, EyeOrder, Rect, Tones, Visibility, ZBuffer, tone_words};
-use rho_grid::shading::{Palette, Shading, ToneTable};
+use rho_grid::shading::{Palette, Shade, Shading, ToneTable};
 
 use crate::failure::{Failure, Outcome};
 use crate::view::View;
@@ -78,10 +79,19 @@ pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outco
     let mut words = vec![BACKGROUND; pixels];
     let mut tables = Box::new(render::View::empty());
     let mut colours = vec![0; Shading::words(blob.materials().len())];
-    let internal = |what: &str| Failure::input(format!("{what} (an error in rho)"));
     tables
         .prepare(&camera, &grid, mode.cell_size)
         .map_err(|e| Failure::input(e.to_string()))?;
+    let mut shadows = Box::new(Shadows::empty());
+    let mut texels = vec![0; mode.shadow_map.words()];
+    let map = match mode.shadows {
+        ShadowMode::None => None,
+        ShadowMode::TwoPass | ShadowMode::Kept => {
+            let how = (mode.shadow_map, mode.light_splat);
+            let map = shadows.cast(blob, &grid, light(towards), how, &mut texels);
+            Some(map.ok_or_else(|| internal("shadow map"))?)
+        }
+    };
     let mut w = vec![0; pixels];
     if mode.frame == FrameMode::Tones {
         let mut table = ToneTable::empty();
@@ -90,7 +100,13 @@ pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outco
         let inner = Tones::<WIDEST, { 3 * WIDEST + 4 }>::cleared(&mut buffer, width, height)
             .ok_or_else(|| internal("frame size"))?;
         let mut target = Recorder::new(inner, &mut w, width);
-        let reach = render::draw_seen(mode, &grid, &tables, &table, &mut target);
+        let reach = match &map {
+            None => render::draw_seen(mode, &grid, &tables, &table, &mut target),
+            Some(map) => {
+                let shade = shadows.over(&table, map);
+                render::draw_seen(mode, &grid, &tables, &shade, &mut target)
+            }
+        };
         if let Some(reach) = reach {
             target.inner.fill(reach);
         }
@@ -106,22 +122,60 @@ pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outco
         light(towards),
     )
     .ok_or_else(|| internal("shading table"))?;
-    let mut frame = Frame::new(&mut words, width, height).ok_or_else(|| internal("frame size"))?;
+    match &map {
+        None => draw_words(
+            mode,
+            &grid,
+            &tables,
+            &shading,
+            &mut words,
+            (&mut w, width, height),
+        )?,
+        Some(map) => {
+            let shade = shadows.over(&shading, map);
+            draw_words(
+                mode,
+                &grid,
+                &tables,
+                &shade,
+                &mut words,
+                (&mut w, width, height),
+            )?;
+        }
+    }
+    Ok(drawn(&tables, (width, height), words, w))
+}
+
+/// Into a frame of RGB565 words, by a visibility method that fits it.
+fn draw_words(
+    mode: Mode,
+    grid: &Grid<'_>,
+    tables: &render::View,
+    shade: &impl Shade,
+    words: &mut [u16],
+    (w, width, height): (&mut [i32], u16, u16),
+) -> Outcome {
+    let mut frame = Frame::new(words, width, height).ok_or_else(|| internal("frame size"))?;
     match mode.visibility {
         VisibilityMode::Eye => {
             let mut bits = vec![0; EyeOrder::words(width, height)];
             let inner = EyeOrder::new(&mut frame, &mut bits).ok_or_else(|| internal("coverage"))?;
-            let mut target = Recorder::new(inner, &mut w, width);
-            render::draw_seen(mode, &grid, &tables, &shading, &mut target);
+            let mut target = Recorder::new(inner, w, width);
+            render::draw_seen(mode, grid, tables, shade, &mut target);
         }
         VisibilityMode::Z => {
-            let mut buffer = vec![u16::MAX; pixels];
+            let mut buffer = vec![u16::MAX; w.len()];
             let inner = ZBuffer::new(&mut frame, &mut buffer).ok_or_else(|| internal("depths"))?;
-            let mut target = Recorder::new(inner, &mut w, width);
-            render::draw_seen(mode, &grid, &tables, &shading, &mut target);
+            let mut target = Recorder::new(inner, w, width);
+            render::draw_seen(mode, grid, tables, shade, &mut target);
         }
     }
-    Ok(drawn(&tables, (width, height), words, w))
+    Ok(())
+}
+
+/// What a caller's numbers cannot bring about.
+fn internal(what: &str) -> Failure {
+    Failure::input(format!("{what} (an error in rho)"))
 }
 
 fn drawn(

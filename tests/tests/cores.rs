@@ -8,7 +8,7 @@ use host_tools::render;
 use host_tools::sampling::Separation;
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use rho_grid::blob::Layout;
-use rho_grid::mode::{FootprintMode, Mode, Preset, ReciprocalMode, VisibilityMode};
+use rho_grid::mode::{FootprintMode, Mode, Preset, ReciprocalMode, ShadowMode, VisibilityMode};
 use rho_tests::firmware::{TIMEOUT, ask_of, firmware_for};
 use rho_tests::model;
 use rho_tests::scan::{baked_bunny, bunny, encoded, sampled, standard_bunny};
@@ -50,6 +50,8 @@ fn draws_the_hosts_bits(machine: Machine) {
         for preset in Preset::ALL {
             let mode = preset.mode(&standard_bunny().blob().unwrap(), &camera);
             cases.push((standard_bunny(), view, mode));
+            let shadows = ShadowMode::TwoPass;
+            cases.push((standard_bunny(), view, Mode { shadows, ..mode }));
         }
     }
     for (blob, view, mode) in cases {

@@ -10,7 +10,10 @@ use host_tools::render;
 use host_tools::sampling::Separation;
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use rho_grid::blob::Layout;
-use rho_grid::mode::{FootprintMode, FrameMode, Mode, Preset, ReciprocalMode, VisibilityMode};
+use rho_grid::mode::{
+    FootprintMode, FrameMode, LightSplat, MapSize, Mode, Preset, ReciprocalMode, ShadowMode,
+    VisibilityMode,
+};
 use rho_grid::q::PixelSize;
 use rho_tests::firmware::{ask, firmware};
 use rho_tests::random::Random;
@@ -193,6 +196,49 @@ fn host_and_device_draw_the_same_bits_by_every_preset_from_everywhere() {
         [0, 1, 2, 3],
         "each serves some view"
     );
+    all_the_same(&cases);
+}
+
+/// Shadows, by maps and splats of every size, into every frame: those of 128 normals' classes are looked
+/// up in assembly, those of other layouts are not.
+#[test]
+fn host_and_device_draw_the_same_shadows() {
+    firmware();
+    let boxes = baked_bunny(&[3; 5]);
+    let teapot = standard("teapot");
+    let blobs = [
+        ("the bunny", standard_bunny()),
+        ("243 cells", &boxes),
+        ("the teapot", &teapot),
+    ];
+    let mut cases = Vec::new();
+    for (v, view) in views().into_iter().enumerate() {
+        for (b, (name, blob)) in blobs.into_iter().enumerate() {
+            let n = v + b;
+            let preset = Preset::ALL[n % Preset::ALL.len()];
+            let mode = preset.mode(&blob.blob().unwrap(), &view.camera().unwrap());
+            let visibility = VisibilityMode::ALL[n / 3 % 2];
+            let mut modes = vec![mode];
+            if n % 4 == 0 {
+                modes.push(Mode {
+                    visibility,
+                    frame: FrameMode::Words,
+                    ..mode
+                });
+            }
+            cases.extend(modes.into_iter().map(|mode| Case {
+                blob,
+                name,
+                view,
+                mode: Mode {
+                    shadows: [ShadowMode::TwoPass, ShadowMode::Kept][n % 2],
+                    shadow_map: MapSize::ALL[v % 3],
+                    light_splat: LightSplat::of(1 + (v / 3 % 4) as u16).unwrap(),
+                    ..mode
+                },
+            }));
+        }
+    }
     all_the_same(&cases);
 }
 

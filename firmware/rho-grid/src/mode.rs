@@ -47,6 +47,84 @@ pub enum FrameMode {
     Tones,
 }
 
+/// How what lies between the light and a sample is found (paper, section 5.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShadowMode {
+    /// It is not.
+    None,
+    /// A shadow map is filled first, then looked up while drawing.
+    TwoPass,
+    /// The same, but the map of the frame before is kept while neither light nor object has moved.
+    Kept,
+}
+
+/// The side of a shadow map in texels: 64, 128 or 256. Texels have two bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MapSize(u8);
+
+impl MapSize {
+    /// Every size.
+    pub const ALL: [Self; 3] = [Self(6), Self(7), Self(8)];
+    /// The largest.
+    pub const LARGEST: Self = Self(8);
+
+    /// The size of so many texels a side; `None` when there is none.
+    #[must_use]
+    pub const fn of(side: u16) -> Option<Self> {
+        match side {
+            64 => Some(Self(6)),
+            128 => Some(Self(7)),
+            256 => Some(Self(8)),
+            _ => None,
+        }
+    }
+
+    /// Texels a side.
+    #[must_use]
+    pub const fn side(self) -> u16 {
+        1 << self.0
+    }
+
+    /// Words of 16 bits that a map of this size needs, a texel each: 8.5 kB, 33 kB or 130 kB. They are
+    /// four rows and a splat more than the map has, for splats at its end.
+    #[must_use]
+    pub const fn words(self) -> usize {
+        let side = 1 << self.0;
+        (side + LightSplat::LARGEST as usize) * side + LightSplat::LARGEST as usize
+    }
+
+    /// The logarithm of its side.
+    #[must_use]
+    pub(crate) const fn bits(self) -> u32 {
+        self.0 as u32
+    }
+}
+
+/// The side of the splats that samples lay into a shadow map, 1 to 4 texels: the larger, the coarser
+/// the grid that casts shadows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightSplat(u8);
+
+impl LightSplat {
+    /// The largest side.
+    pub const LARGEST: u32 = 4;
+
+    /// A side of so many texels; `None` when it is 0 or above [`Self::LARGEST`].
+    #[must_use]
+    pub const fn of(texels: u16) -> Option<Self> {
+        if texels == 0 || texels as u32 > Self::LARGEST {
+            return None;
+        }
+        Some(Self(texels as u8))
+    }
+
+    /// Texels along a side.
+    #[must_use]
+    pub const fn texels(self) -> u32 {
+        self.0 as u32
+    }
+}
+
 /// A tuple of choices by name: how fine a picture, and all that draws it fastest.
 ///
 /// A preset chooses among the grids of a blob. The finer a cell on the screen, the nearer the
@@ -130,6 +208,12 @@ pub struct Mode {
     /// A cell whose projection is at most this large is drawn from its own sample, its
     /// subcells are not visited.
     pub cell_size: PixelSize,
+    /// How shadows are found.
+    pub shadows: ShadowMode,
+    /// The shadow map's size.
+    pub shadow_map: MapSize,
+    /// How large the splats in it are.
+    pub light_splat: LightSplat,
 }
 
 impl Default for Mode {
@@ -141,6 +225,9 @@ impl Default for Mode {
             frame: FrameMode::Words,
             grid: 0,
             cell_size: PixelSize::from_bits(128),
+            shadows: ShadowMode::None,
+            shadow_map: MapSize(7),
+            light_splat: LightSplat(2),
         }
     }
 }
@@ -209,6 +296,10 @@ names!(
 names!(
     FrameMode, "words, tones", FrameMode::Words => "words", FrameMode::Tones => "tones"
 );
+names!(
+    ShadowMode, "none, two-pass, kept",
+    ShadowMode::None => "none", ShadowMode::TwoPass => "two-pass", ShadowMode::Kept => "kept"
+);
 
 #[cfg(test)]
 mod tests {
@@ -227,6 +318,9 @@ mod tests {
             assert_eq!(v.name().parse(), Ok(*v));
         }
         for v in Preset::ALL {
+            assert_eq!(v.name().parse(), Ok(*v));
+        }
+        for v in ShadowMode::ALL {
             assert_eq!(v.name().parse(), Ok(*v));
         }
         for v in FrameMode::ALL {

@@ -3,9 +3,13 @@
 //! The light is directional and the eye's place does not enter, so a sample's colour depends on
 //! its attribute word alone: one look-up while drawing.
 
+use crate::blob::format::MAX_MATERIALS;
 use crate::blob::{Layout, Material};
 use crate::normal::{BITS, COUNT, FACES, OCTANT};
 use crate::q::Unit;
+use crate::render::ShadowView;
+#[cfg(rho_thumb)]
+use crate::render::shadow::LookUp;
 
 /// What a sample looks like, in the unit of the frame it is drawn into.
 pub trait Shade {
@@ -15,9 +19,31 @@ pub trait Shade {
     /// The colour of a sample with the normal `index` (13 bits) and the first material.
     fn of_normal(&self, index: u32) -> u16;
 
+    /// The colour of a sample with this attribute word that the light does not reach.
+    fn unlit(&self, word: u32) -> u16;
+
+    /// Where the grid's cells are in the light, if it matters what lies between.
+    #[inline(always)]
+    fn light(&self) -> Option<&ShadowView> {
+        None
+    }
+
+    /// The colour of a sample in a cell at this place in the light.
+    #[inline(always)]
+    fn colour_at(&self, word: u32, _place: u32) -> u16 {
+        self.colour(word)
+    }
+
     /// The tones of the first material, if colours are tones.
     #[cfg(rho_thumb)]
     fn tones(&self) -> Option<&[u8; COUNT]> {
+        None
+    }
+
+    /// Where shadows are looked up, if they are and colours are tones.
+    #[cfg(rho_thumb)]
+    #[inline(always)]
+    fn look_up(&self) -> Option<LookUp<'_>> {
         None
     }
 }
@@ -26,6 +52,8 @@ pub trait Shade {
 #[derive(Clone, Copy, Debug)]
 pub struct Shading<'a> {
     colours: &'a [u16],
+    /// Of each material in the dark.
+    unlit: [u16; MAX_MATERIALS],
     /// Bits under the normal in an attribute word.
     under_normal: u32,
     /// The bits of the material.
@@ -55,7 +83,10 @@ impl<'a> Shading<'a> {
         let words = Self::words(materials.len());
         let table = table.get_mut(..words)?;
         let [lx, ly, lz] = towards.map(|c| i32::from(c.to_bits()));
-        for (material, colours) in materials.zip(table.chunks_exact_mut(COUNT)) {
+        let mut unlit = [0; MAX_MATERIALS];
+        let tables = table.chunks_exact_mut(COUNT).zip(&mut unlit);
+        for (material, (colours, unlit)) in materials.zip(tables) {
+            *unlit = shade(&material, 0);
             for (octant, colours) in colours.chunks_exact_mut(OCTANT).enumerate() {
                 let sign = |bit: usize, v: i32| if octant & bit == 0 { v } else { -v };
                 let (lx, ly, lz) = (sign(4, lx), sign(2, ly), sign(1, lz));
@@ -70,6 +101,7 @@ impl<'a> Shading<'a> {
         }
         Some(Self {
             colours: table,
+            unlit,
             under_normal: u32::from(layout.offset + layout.material) & 31,
             material: layout.material_of(u32::MAX),
         })
@@ -87,6 +119,12 @@ impl Shade for Shading<'_> {
     #[inline(always)]
     fn of_normal(&self, index: u32) -> u16 {
         self.colours.get(index as usize).copied().unwrap_or(0)
+    }
+
+    #[inline(always)]
+    fn unlit(&self, word: u32) -> u16 {
+        let material = (word & self.material) as usize;
+        self.unlit.get(material).copied().unwrap_or(0)
     }
 }
 
@@ -174,6 +212,11 @@ impl Shade for ToneTable {
     fn of_normal(&self, index: u32) -> u16 {
         let tone = self.tones.get(index as usize % COUNT);
         tone.copied().unwrap_or(0).into()
+    }
+
+    #[inline(always)]
+    fn unlit(&self, word: u32) -> u16 {
+        ((word & self.material) * self.per_material + 1) as u16
     }
 }
 

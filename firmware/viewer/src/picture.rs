@@ -3,9 +3,11 @@
 use core::fmt;
 
 use rho_grid::blob::format::MAX_MATERIALS;
-use rho_grid::blob::{Blob, BlobError};
+use rho_grid::blob::{Blob, BlobError, Grid};
 use rho_grid::frame::Frame;
-use rho_grid::mode::FrameMode;
+use rho_grid::mode::{FrameMode, LightSplat, MapSize, ShadowMode};
+use rho_grid::q::Unit;
+use rho_grid::render::shadow::{ShadowMap, Shadows};
 use rho_grid::render::{
     Buffers, EyeOrder, Tones, View, ViewError, draw_mode, draw_seen, tone_words,
 };
@@ -27,6 +29,64 @@ pub struct Memory {
     depth: [u16; PIXELS],
     tone_table: ToneTable,
     tones: [u32; tone_words(WIDTH as usize, HEIGHT)],
+    shadow: Shadow,
+}
+
+/// A shadow map, its tables, and what they were made for.
+#[derive(Debug)]
+struct Shadow {
+    tables: Shadows,
+    map: [u16; MapSize::LARGEST.words()],
+    made_for: Option<MadeFor>,
+}
+
+/// All that a map depends on while there is one model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct MadeFor {
+    light: [Unit; 3],
+    grid: u16,
+    size: MapSize,
+    splat: LightSplat,
+}
+
+impl Shadow {
+    const fn new() -> Self {
+        Self {
+            tables: Shadows::empty(),
+            map: [0; MapSize::LARGEST.words()],
+            made_for: None,
+        }
+    }
+
+    /// The map for a scene, with its tables: made, or as it is when it is to be kept and can be.
+    fn map(
+        &mut self,
+        blob: &Blob<'_>,
+        grid: &Grid<'_>,
+        scene: &Scene,
+    ) -> Option<(&Shadows, ShadowMap<'_>)> {
+        let Scene { light, mode, .. } = scene;
+        let wanted = MadeFor {
+            light: *light,
+            grid: mode.grid,
+            size: mode.shadow_map,
+            splat: mode.light_splat,
+        };
+        let kept = mode.shadows == ShadowMode::Kept && self.made_for == Some(wanted);
+        let Self {
+            tables,
+            map,
+            made_for,
+        } = self;
+        *made_for = Some(wanted);
+        let map = if kept {
+            ShadowMap::kept(map, wanted.size)?
+        } else {
+            let how = (wanted.size, wanted.splat);
+            tables.cast(blob, grid, *light, how, map)?
+        };
+        Some((tables, map))
+    }
 }
 
 /// A frame of a byte a pixel, as wide as the panel.
@@ -43,6 +103,7 @@ impl Memory {
             depth: [0; PIXELS],
             tone_table: ToneTable::empty(),
             tones: [0; tone_words(WIDTH as usize, HEIGHT)],
+            shadow: Shadow::new(),
         }
     }
 }
@@ -113,6 +174,7 @@ impl<'a> Model<'a> {
             depth,
             tone_table,
             tones,
+            shadow,
         } = memory;
         let Scene {
             camera,
@@ -124,6 +186,13 @@ impl<'a> Model<'a> {
         watch
             .time(Phase::Setup, || view.prepare(camera, grid, mode.cell_size))
             .map_err(ModelError::View)?;
+        let shadows = match mode.shadows {
+            ShadowMode::None => None,
+            ShadowMode::TwoPass | ShadowMode::Kept => {
+                let shadows = watch.time(Phase::ShadowMap, || shadow.map(blob, grid, scene));
+                Some(shadows.ok_or(ModelError::TooLarge)?)
+            }
+        };
         if mode.frame == FrameMode::Tones {
             watch.time(Phase::ShadingTables, || {
                 tone_table.shade(grid.layout(), blob.materials().len(), *light);
@@ -133,8 +202,12 @@ impl<'a> Model<'a> {
                     PanelTones::cleared(tones, camera.width, camera.height)
                 })
                 .ok_or(ModelError::TooLarge)?;
-            let reach = watch.time(Phase::Draw, || {
-                draw_seen(*mode, grid, view, tone_table, &mut frame)
+            let reach = watch.time(Phase::Draw, || match &shadows {
+                None => draw_seen(*mode, grid, view, tone_table, &mut frame),
+                Some((tables, map)) => {
+                    let shade = tables.over(tone_table, map);
+                    draw_seen(*mode, grid, view, &shade, &mut frame)
+                }
             });
             if let Some(reach) = reach {
                 watch.time(Phase::Fill, || frame.fill(reach));
@@ -160,8 +233,12 @@ impl<'a> Model<'a> {
             buffers.clear(*mode);
         });
         watch
-            .time(Phase::Draw, || {
-                draw_mode(*mode, grid, view, &shading, &mut frame, &mut buffers)
+            .time(Phase::Draw, || match &shadows {
+                None => draw_mode(*mode, grid, view, &shading, &mut frame, &mut buffers),
+                Some((tables, map)) => {
+                    let shade = tables.over(&shading, map);
+                    draw_mode(*mode, grid, view, &shade, &mut frame, &mut buffers)
+                }
             })
             .map_err(|_| ModelError::TooLarge)
     }

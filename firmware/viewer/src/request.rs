@@ -3,7 +3,8 @@
 //! ```text
 //! picture=model rotation=1073741824;0;0;0;1073741824;0;0;0;1073741824
 //!   translation=0;0;-2399456 focal=1582163 size=240;320 light=6521;9781;11412
-//!   visibility=eye footprint=box reciprocal=divide cell_size=128
+//!   visibility=eye footprint=box reciprocal=divide frame=words grid=0 cell_size=128
+//!   shadows=two-pass shadow_map=128 light_splat=2
 //! ```
 //!
 //! (broken here for the page; blanks separate the parts). A number is the integer of its Q
@@ -17,7 +18,7 @@ use core::num::IntErrorKind;
 
 use heapless::String;
 use rho_grid::camera::Camera;
-use rho_grid::mode::{Mode, UnknownName};
+use rho_grid::mode::{LightSplat, MapSize, Mode, UnknownName};
 use rho_grid::q::{Focal, Length, PixelSize, Rotation, Unit};
 
 /// The longest line: every number at its longest is 305 bytes.
@@ -119,9 +120,12 @@ enum Key {
     Frame,
     Grid,
     CellSize,
+    Shadows,
+    ShadowMap,
+    LightSplat,
 }
 
-const KEYS: [&str; 12] = [
+const KEYS: [&str; 15] = [
     "picture",
     "rotation",
     "translation",
@@ -134,6 +138,9 @@ const KEYS: [&str; 12] = [
     "frame",
     "grid",
     "cell_size",
+    "shadows",
+    "shadow_map",
+    "light_splat",
 ];
 
 /// The value of each key that is still to be read.
@@ -327,6 +334,26 @@ impl Scene {
                     let [bits] = parts.numbers(Key::CellSize, 0, u16::MAX.into())?;
                     PixelSize::from_bits(narrow!(bits, u16, "cell_size")?)
                 },
+                shadows: parts.choice(Key::Shadows)?,
+                shadow_map: {
+                    let (low, high) = (64, MapSize::LARGEST.side().into());
+                    let [side] = parts.numbers(Key::ShadowMap, low, high)?;
+                    let size = MapSize::of(narrow!(side, u16, "shadow_map")?);
+                    size.ok_or(RequestError::Choice {
+                        key: "shadow_map",
+                        expected: "64, 128, 256",
+                    })?
+                },
+                light_splat: {
+                    let high = LightSplat::LARGEST.into();
+                    let [side] = parts.numbers(Key::LightSplat, 1, high)?;
+                    let splat = LightSplat::of(narrow!(side, u16, "light_splat")?);
+                    splat.ok_or(RequestError::OutOfRange {
+                        key: "light_splat",
+                        low: 1,
+                        high,
+                    })?
+                },
             },
         })
     }
@@ -361,7 +388,7 @@ impl fmt::Display for Request {
         write!(
             f,
             " rotation={} translation={} focal={} size={};{} light={} visibility={} footprint={} \
-             reciprocal={} frame={} grid={} cell_size={}",
+             reciprocal={} frame={} grid={} cell_size={} shadows={} shadow_map={} light_splat={}",
             List(
                 camera
                     .rotation
@@ -379,6 +406,9 @@ impl fmt::Display for Request {
             mode.frame,
             mode.grid,
             mode.cell_size.to_bits(),
+            mode.shadows,
+            mode.shadow_map.side(),
+            mode.light_splat.texels(),
         )
     }
 }
@@ -387,7 +417,7 @@ impl fmt::Display for Request {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use rho_grid::mode::{FootprintMode, FrameMode, ReciprocalMode, VisibilityMode};
+    use rho_grid::mode::{FootprintMode, FrameMode, ReciprocalMode, ShadowMode, VisibilityMode};
     use std::string::{String as Text, ToString};
 
     fn scene() -> impl Strategy<Value = Scene> {
@@ -406,9 +436,22 @@ mod tests {
                 any::<u16>(),
                 any::<u16>(),
             ),
+            (
+                proptest::sample::select(ShadowMode::ALL),
+                proptest::sample::select(&MapSize::ALL[..]),
+                1..=LightSplat::LARGEST as u16,
+            ),
         )
             .prop_map(
-                |(r, t, focal, (width, height), light, (v, f, d, frame, grid, cell))| Scene {
+                |(
+                    r,
+                    t,
+                    focal,
+                    (width, height),
+                    light,
+                    (v, f, d, frame, grid, cell),
+                    (shadows, shadow_map, splat),
+                )| Scene {
                     camera: Camera {
                         rotation: [[r[0], r[1], r[2]], [r[3], r[4], r[5]], [r[6], r[7], r[8]]]
                             .map(|row| row.map(Rotation::from_bits)),
@@ -425,6 +468,9 @@ mod tests {
                         frame,
                         grid,
                         cell_size: PixelSize::from_bits(cell),
+                        shadows,
+                        shadow_map,
+                        light_splat: LightSplat::of(splat).unwrap(),
                     },
                 },
             )
@@ -443,6 +489,7 @@ mod tests {
             mode: Mode {
                 footprint: FootprintMode::Splat,
                 cell_size: PixelSize::MAX,
+                shadows: ShadowMode::TwoPass,
                 ..Mode::default()
             },
         })
@@ -520,6 +567,8 @@ mod tests {
         assert_eq!(with("focal", "0"), range("focal", 1, i64::from(u32::MAX)));
         assert_eq!(with("size", "240;1025"), range("size", 1, 1024));
         assert_eq!(with("cell_size", "-1"), range("cell_size", 0, 65_535));
+        assert_eq!(with("shadow_map", "512"), range("shadow_map", 64, 256));
+        assert_eq!(with("light_splat", "0"), range("light_splat", 1, 4));
         assert_eq!(
             with("light", "0;0;99999999999999999999"),
             range("light", -16_384, 16_384)
@@ -543,6 +592,13 @@ mod tests {
             Err(RequestError::Choice {
                 key: "footprint",
                 expected: "point, splat, box, disc"
+            })
+        );
+        assert_eq!(
+            with("shadow_map", "100"),
+            Err(RequestError::Choice {
+                key: "shadow_map",
+                expected: "64, 128, 256"
             })
         );
     }

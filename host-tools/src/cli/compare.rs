@@ -9,12 +9,14 @@ use crate::compare::{self, Comparison, Depths};
 use crate::depth::Depth;
 use crate::failure::{Failure, Outcome};
 use crate::picture::Picture;
+use crate::shadows::{self, Pair, Wrong};
 
 const EXAMPLES: &str = "\
 Examples:
   rho compare frame.png truth.png
   rho compare frame.png truth.png --min-iou 0.98 --min-psnr-inside 30 --max-holes 0
   rho compare frame.png truth.png --depth d.png --reference-depth t.png --cells 243 --json
+  rho compare shadowed.png shadowed-truth.png --lit frame.png --reference-lit truth.png
 
 A pixel of REFERENCE is covered when its alpha is half or more; a pixel of PICTURE too, or,
 when it has no alpha, when it differs from the background. SSIM is that of 2004: Gaussian
@@ -40,6 +42,12 @@ pub struct Compare {
     /// Cells along a side of the model's cube
     #[arg(long, value_name = "N", requires = "depth", value_parser = clap::value_parser!(u32).range(1..))]
     pub cells: Option<u32>,
+    /// PICTURE without shadows, to count pixels in a shadow where there is none, and the opposite
+    #[arg(long, value_name = "P.png", requires = "reference_lit")]
+    pub lit: Option<PathBuf>,
+    /// REFERENCE without shadows
+    #[arg(long, value_name = "R.png", requires = "lit")]
+    pub reference_lit: Option<PathBuf>,
     /// Fail below this intersection over union
     #[arg(long, value_name = "X", help_heading = "Limits")]
     pub min_iou: Option<f64>,
@@ -52,6 +60,14 @@ pub struct Compare {
     /// Fail above this number of holes
     #[arg(long, value_name = "N", help_heading = "Limits")]
     pub max_holes: Option<usize>,
+    /// Fail when more than so many of a hundred covered pixels are shaded wrongly
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        help_heading = "Limits",
+        requires = "lit"
+    )]
+    pub max_wrong_shadows: Option<f64>,
     /// What was measured as one JSON object on standard output
     #[arg(long)]
     pub json: bool,
@@ -103,16 +119,32 @@ impl Compare {
             cell: 1.0 / f64::from(*cells),
         });
         let result = compare::compare(&picture, &reference, self.background.0, depths)?;
+        let shadows = match (&self.lit, &self.reference_lit) {
+            (Some(lit), Some(reference_lit)) => {
+                let (lit, reference_lit) = (Picture::read(lit)?, Picture::read(reference_lit)?);
+                let pair = |shadowed, lit| Pair { shadowed, lit };
+                let (ours, theirs) = (pair(&picture, &lit), pair(&reference, &reference_lit));
+                Some(shadows::compare(ours, theirs, self.background.0)?)
+            }
+            _ => None,
+        };
         if self.json {
-            println!("{}", serde_json::json!(result));
+            let mut object = serde_json::json!(result);
+            if let Some(wrong) = &shadows {
+                object["shadows"] = serde_json::json!(wrong);
+            }
+            println!("{object}");
         } else {
             print(&result);
+            if let Some(wrong) = &shadows {
+                print_shadows(wrong);
+            }
         }
-        self.limits(&result)
+        self.limits(&result, shadows.as_ref())
     }
 
     /// Fails when a limit is broken or what it limits could not be measured.
-    fn limits(&self, result: &Comparison) -> Outcome {
+    fn limits(&self, result: &Comparison, shadows: Option<&Wrong>) -> Outcome {
         let mut broken = Vec::new();
         let mut least = |what: &str, value: Option<f64>, limit: Option<f64>| {
             if let Some(limit) = limit {
@@ -135,6 +167,12 @@ impl Compare {
             && result.holes > limit
         {
             broken.push(format!("{} holes are more than {limit}", result.holes));
+        }
+        if let (Some(limit), Some(wrong)) = (self.max_wrong_shadows, shadows)
+            && !(wrong.per_cent() <= limit)
+        {
+            let wrong = wrong.per_cent();
+            broken.push(format!("{wrong:.2} % wrong shadows are more than {limit}"));
         }
         if broken.is_empty() {
             return Ok(());
@@ -165,6 +203,17 @@ fn print(result: &Comparison) {
     if let Some(leaks) = result.leaks {
         println!("leaks        {leaks}");
     }
+}
+
+fn print_shadows(wrong: &Wrong) {
+    println!(
+        "shadows      {:.2} % wrong  ({} too dark and {} too bright of {} pixels, {} in shadow)",
+        wrong.per_cent(),
+        wrong.acne,
+        wrong.leaks,
+        wrong.covered,
+        wrong.shadowed
+    );
 }
 
 #[cfg(test)]

@@ -4,7 +4,10 @@ use clap::Args;
 use fixed::traits::ToFixed;
 use rho_grid::blob::{Blob, Grid};
 use rho_grid::camera::Camera;
-use rho_grid::mode::{FootprintMode, FrameMode, Mode, Preset, ReciprocalMode, VisibilityMode};
+use rho_grid::mode::{
+    FootprintMode, FrameMode, LightSplat, MapSize, Mode, Preset, ReciprocalMode, ShadowMode,
+    VisibilityMode,
+};
 use rho_grid::q::PixelSize;
 
 use crate::failure::{Failure, Outcome};
@@ -36,6 +39,29 @@ pub struct ModeArgs {
     /// A cell at most this large on the screen is drawn from its own sample
     #[arg(long, value_name = "PX", value_parser = pixel_size, allow_hyphen_values = true)]
     cell_size: Option<PixelSize>,
+    /// How shadows are found: none, two-pass (a shadow map is filled, then looked up), kept (the
+    /// same, but the map stays while light and object do) [default: none]
+    #[arg(long, value_name = "NAME")]
+    shadows: Option<ShadowMode>,
+    /// Texels of the shadow map along a side: 64, 128, 256 [default: 128]
+    #[arg(long, value_name = "N", value_parser = map_size)]
+    shadow_map: Option<MapSize>,
+    /// Texels along a side of the splats in it, 1 to 4; the larger, the coarser the grid that casts
+    /// shadows [default: 2]
+    #[arg(long, value_name = "N", value_parser = light_splat)]
+    light_splat: Option<LightSplat>,
+}
+
+/// Texels along a side of a shadow map.
+fn map_size(text: &str) -> Result<MapSize, String> {
+    let size = text.parse().ok().and_then(MapSize::of);
+    size.ok_or_else(|| "expected 64, 128 or 256".to_owned())
+}
+
+/// Texels along a side of a splat in it.
+fn light_splat(text: &str) -> Result<LightSplat, String> {
+    let splat = text.parse().ok().and_then(LightSplat::of);
+    splat.ok_or_else(|| format!("expected 1 to {}", LightSplat::LARGEST))
 }
 
 /// Pixels in steps of 1/256, rounded to nearest.
@@ -74,6 +100,9 @@ impl ModeArgs {
             frame,
             grid: self.grid.unwrap_or(preset.grid),
             cell_size: self.cell_size.unwrap_or(preset.cell_size),
+            shadows: self.shadows.unwrap_or(preset.shadows),
+            shadow_map: self.shadow_map.unwrap_or(preset.shadow_map),
+            light_splat: self.light_splat.unwrap_or(preset.light_splat),
         })
     }
 

@@ -54,6 +54,10 @@ pub struct Reference {
     /// Light the side that is seen, whichever way its normal points
     #[arg(long)]
     pub two_sided: bool,
+    /// Where the model itself lies between a place and the light, the light does not count (of
+    /// scenes, the file says which lights cast shadows)
+    #[arg(long)]
+    pub shadows: bool,
     /// What was measured as one JSON object on standard output
     #[arg(long)]
     pub json: bool,
@@ -101,6 +105,7 @@ impl Reference {
             light: self.view_args.light(),
             samples: if self.exact { 1 } else { self.samples },
             two_sided: self.two_sided,
+            shadows: self.shadows,
         };
         // Before the model is read: a wrong flag should not cost a second.
         shot.check()?;

@@ -101,6 +101,9 @@ impl Render {
                     "frame": mode.frame.name(),
                     "grid": mode.grid,
                     "cell_size": mode.cell_size.to_num::<f64>(),
+                    "shadows": mode.shadows.name(),
+                    "shadow_map": mode.shadow_map.side(),
+                    "light_splat": mode.light_splat.texels(),
                 })
             );
         } else if !self.quiet {

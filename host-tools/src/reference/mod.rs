@@ -36,6 +36,8 @@ pub struct Shot {
     pub samples: u32,
     /// Turn a normal that points away from the eye round.
     pub two_sided: bool,
+    /// Where the model lies between a place and the light, only [`AMBIENT`] is left.
+    pub shadows: bool,
 }
 
 impl Shot {
@@ -47,6 +49,7 @@ impl Shot {
             light: crate::view::STANDARD_LIGHT.normalize(),
             samples: 5,
             two_sided: false,
+            shadows: false,
         }
     }
 }
@@ -132,7 +135,16 @@ impl<'a> Caster<'a> {
         if camera.shot.two_sided && normal.dot(direction) > 0.0 {
             normal = -normal;
         }
-        let intensity = AMBIENT + DIFFUSE * normal.dot(camera.shot.light).max(0.0);
+        let mut lit = normal.dot(camera.shot.light).max(0.0);
+        if camera.shot.shadows && lit > 0.0 {
+            let light = camera.shot.light;
+            let face = self.face_normal(corners);
+            let start = off_surface(camera.eye + hit.t * direction, face, light);
+            if self.bvh.nearest(&Ray::new(start, light)).is_some() {
+                lit = 0.0;
+            }
+        }
+        let intensity = AMBIENT + DIFFUSE * lit;
         let colour = if self.mesh.colours.is_empty() {
             DVec3::splat(255.0)
         } else {
@@ -149,6 +161,17 @@ impl<'a> Caster<'a> {
         let [a, b, c] = corners.map(|i| self.mesh.positions[i]);
         (b - a).cross(c - a).normalize_or(DVec3::Y)
     }
+}
+
+/// How far from a surface a shadow's ray begins, in sides of the cube: beyond the rounding of a hit,
+/// below a pixel at any zoom in use.
+const LIFT: f64 = 1e-6;
+
+/// Where the ray towards `light` begins at `place` of a triangle with the normal `face`: off its side
+/// that faces the light.
+fn off_surface(place: DVec3, face: DVec3, light: DVec3) -> DVec3 {
+    let up = face * face.dot(light).signum();
+    place + LIFT * (up + light)
 }
 
 /// Takes a picture of what `cast` sees: the colour, 0 to 255, and the depth at a place of the

@@ -16,16 +16,12 @@ use rayon::prelude::*;
 
 use super::bvh::Bvh;
 use super::ray::Ray;
-use super::{AMBIENT, DIFFUSE, Rays, Shot, Truth, mix, take};
+use super::{AMBIENT, DIFFUSE, Rays, Shot, Truth, mix, off_surface, take};
 use crate::colour::Colour;
 use crate::failure::Outcome;
 use crate::mesh::Mesh;
 use crate::model::LoadOptions;
 use crate::scene::{Instance, Pivot, Scene, Transform};
-
-/// How far from a surface a shadow's ray begins, in sides of the scene's cube: beyond the
-/// rounding of a hit, below a pixel at any zoom in use.
-const LIFT: f64 = 1e-6;
 
 /// A mesh made ready for rays, and where its foot is.
 struct Original {
@@ -257,9 +253,7 @@ impl<'a> SceneCaster<'a> {
             if normal.dot(light.direction) <= 0.0 {
                 continue;
             }
-            // Off the side of the triangle that faces the light.
-            let up = face * face.dot(light.direction).signum();
-            let start = place + LIFT * (up + light.direction);
+            let start = off_surface(place, face, light.direction);
             if light.shadows && self.nearest(start, light.direction).is_some() {
                 continue;
             }

@@ -66,7 +66,10 @@ impl<'a> Level<'a> {
         base.wrapping_add(u32::from(self.offsets.get(n).copied().unwrap_or(0)))
     }
 
-    fn mask_any(&self, node: u32) -> [u32; 4] {
+    /// The same for a level of any rho.
+    #[inline(always)]
+    #[must_use]
+    pub fn mask_any(&self, node: u32) -> [u32; 4] {
         match self.rho {
             2 => self.mask::<2>(node),
             3 => self.mask::<3>(node),

@@ -13,12 +13,14 @@ mod disc;
 pub mod footprint;
 mod order;
 mod project;
+pub mod shadow;
 mod stamp;
 mod tones;
 mod traverse;
 mod view;
 mod visibility;
 
+pub use shadow::ShadowView;
 pub use tones::{Tones, tone_words};
 pub use traverse::draw;
 pub use view::{View, ViewError};
@@ -28,7 +30,7 @@ use crate::blob::Grid;
 use crate::frame::Frame;
 use crate::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
 use crate::reciprocal::{Divide, Table};
-use crate::shading::{Shade, Shading};
+use crate::shading::Shade;
 use footprint::{Disc, Footprint, PixelCentre, Point, Splat};
 
 /// What a visibility method remembers about each pixel; a board has what its modes need.
@@ -62,7 +64,7 @@ pub fn draw_mode(
     mode: Mode,
     grid: &Grid<'_>,
     view: &View,
-    shading: &Shading<'_>,
+    shading: &impl Shade,
     frame: &mut Frame<'_>,
     buffers: &mut Buffers<'_>,
 ) -> Result<(), BufferTooSmall> {

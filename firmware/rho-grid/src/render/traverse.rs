@@ -113,6 +113,8 @@ struct Stencil<F> {
 struct Parent {
     /// On the screen, Q16.
     centre: Step,
+    /// Among the cells of its level.
+    place: [i32; 3],
     w: i32,
     /// Number of the first child over all levels.
     first: u32,
@@ -174,7 +176,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             let leaf = child_level == self.grid.subdivisions();
             if leaf || self.level(child_level).stop_w <= cell.centre.w {
                 let first = self.first(child_level);
-                self.sample::<F>(&cell, first + cell.node);
+                self.sample::<F>(&cell, child_level, first + cell.node);
             } else if !self.target.is_hidden(pixels) {
                 open += usize::from(self.enter::<F, R>(cell, child_level, &mut stack));
             }
@@ -320,6 +322,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
                 x: cell.bounds.x << 8,
                 y: cell.bounds.y << 8,
             },
+            place: cell.place,
             w: cell.centre.w,
             first: self.first(level + 1) + open.first_child,
             mask: open.mask,
@@ -392,12 +395,14 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             }
             let node = open.first_child + order::rank(&open.mask, subcell);
             let [i, j, k] = order::place(nodes.rho, subcell);
-            let eye = self.eye_slab(grandchildren, [ox + i, oy + j, oz + k], RHO as i32);
+            let place = [ox + i, oy + j, oz + k];
+            let eye = self.eye_slab(grandchildren, place, RHO as i32);
             let from = Parent {
                 centre: Step {
                     x: x << 8,
                     y: y << 8,
                 },
+                place,
                 w: centre.w,
                 first: first + below.first_child(node),
                 mask: below.mask::<RHO>(node),
@@ -462,6 +467,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             open.first_child,
             words.unwrap_or_default(),
             (rho * rho * rho) as usize,
+            self.in_light(level, cell.place),
             &mut self.parents,
         );
         if rho == 3 && eye.iter().all(|e| *e < 1 || *e > 7) {
@@ -482,6 +488,17 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         true
     }
 
+    /// The parents of a block of `level` in the light.
+    #[inline(always)]
+    fn in_light(&self, level: usize, place: [i32; 3]) -> Option<stamp::InLight<'v>> {
+        let light = self.shading.light()?;
+        Some(stamp::InLight {
+            at: light.place(level, place),
+            parents: light.displacements(level),
+            cells: light.displacements(level + 1).first_chunk()?,
+        })
+    }
+
     /// Draws all children of a cell of `level`.
     #[inline(always)]
     fn samples<F: Footprint, const RHO: usize>(
@@ -495,6 +512,9 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         let displacements = view.displacements(self.level(level));
         let (grid, shading) = (self.grid, self.shading);
         let slabs = &stencil.slabs;
+        let light = shading.light();
+        let light =
+            light.map(|light| (light.place(level, parent.place), light.displacements(level)));
         for (k, plane) in order.planes(&parent.mask) {
             let from = parent.centre.plus(slabs.along::<2>(k));
             for (j, row) in order.rows(plane) {
@@ -504,8 +524,15 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
                     let at = from.plus(slabs.along::<0>(i));
                     let subcell = (subcells + i) as u8;
                     let word = || grid.attribute(parent.first + order::rank(&parent.mask, subcell));
+                    let colour = |word: u32| match light {
+                        None => shading.colour(word),
+                        Some((place, displacements)) => {
+                            let d = displacements.get(usize::from(subcell)).copied();
+                            shading.colour_at(word, place.wrapping_add(d.unwrap_or(0)))
+                        }
+                    };
                     if F::DISCS {
-                        self.disc(stencil, at, parent.w, word);
+                        self.disc(stencil, at, parent.w, word, colour);
                         continue;
                     }
                     let pixels = stencil.footprint.cover::<16>(at.x, at.y);
@@ -519,7 +546,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
                     };
                     let d = displacements.get(usize::from(subcell));
                     let w = parent.w + d.map_or(0, |d| d.w);
-                    self.target.draw(rect, w, || shading.colour(word()));
+                    self.target.draw(rect, w, || colour(word()));
                 }
             }
         }
@@ -533,6 +560,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         at: Step,
         w: i32,
         word: impl FnOnce() -> u32,
+        colour: impl Fn(u32) -> u16,
     ) {
         let pixels = stencil.footprint.cover::<16>(at.x, at.y);
         let rect = if stencil.inside {
@@ -558,9 +586,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         let Some(rect) = self.clip(pixels) else {
             return;
         };
-        let shading = self.shading;
-        self.target
-            .draw_shape(rect, w, &ellipse, || shading.colour(word));
+        self.target.draw_shape(rect, w, &ellipse, || colour(word));
     }
 
     /// One subcell of an open cell, and the pixels that it may reach; `None` when there are none.
@@ -599,7 +625,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
 
     /// Draws a cell from its own sample.
     #[inline(always)]
-    fn sample<F: Footprint>(&mut self, cell: &Cell, node: u32) {
+    fn sample<F: Footprint>(&mut self, cell: &Cell, level: usize, node: u32) {
         let (grid, shading) = (self.grid, self.shading);
         let Bounds {
             x,
@@ -608,8 +634,13 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             half_y,
         } = cell.bounds;
         if let Some(rect) = self.clip(F::of::<8>(half_x, half_y).cover::<8>(x, y)) {
-            self.target
-                .draw(rect, cell.centre.w, || shading.colour(grid.attribute(node)));
+            self.target.draw(rect, cell.centre.w, || {
+                let word = grid.attribute(node);
+                match shading.light() {
+                    None => shading.colour(word),
+                    Some(light) => shading.colour_at(word, light.place(level, cell.place)),
+                }
+            });
         }
     }
 

@@ -83,6 +83,17 @@ pub(super) type ParentList = [u32; MAX_PARENTS];
 /// None.
 pub(super) const NO_PARENTS: ParentList = [0; MAX_PARENTS];
 
+/// A block in the light ([`ShadowView`](crate::render::ShadowView)).
+#[derive(Clone, Copy)]
+pub(super) struct InLight<'a> {
+    /// Its centre.
+    pub(super) at: u32,
+    /// From there to its parents.
+    pub(super) parents: &'a [u32],
+    /// From each of them to its subcells.
+    pub(super) cells: &'a [u32; 27],
+}
+
 /// The cells of a block: each is divided by 3, and its subcells are stamped.
 pub(super) struct Parents<'a, 'g> {
     /// The block's centre.
@@ -103,6 +114,8 @@ pub(super) struct Parents<'a, 'g> {
         allow(dead_code, reason = "part of an argument of safety")
     )]
     pub(super) subcells: usize,
+    /// The block in the light, if that matters.
+    pub(super) light: Option<InLight<'a>>,
     /// Its parents from front to back.
     order: &'a mut ParentList,
     count: usize,
@@ -120,6 +133,7 @@ impl<'a, 'g> Parents<'a, 'g> {
         first: u32,
         words: &'g [u16],
         subcells: usize,
+        light: Option<InLight<'a>>,
         order: &'a mut ParentList,
     ) -> Self {
         Self {
@@ -130,6 +144,7 @@ impl<'a, 'g> Parents<'a, 'g> {
             first,
             words,
             subcells,
+            light,
             order,
             count: 0,
         }
@@ -280,7 +295,7 @@ impl<'v> Stamps<'v> {
     ) {
         #[cfg(rho_thumb)]
         if let (Some(pixels), Some(tones)) = (target.tones(), shading.tones()) {
-            return thumb::stamp(self, parents, pixels, tones);
+            return thumb::stamp(self, parents, pixels, tones, shading.look_up());
         }
         match self.circle {
             Circle::Two(c) => self.block::<V, R, _>(target, parents, Two(c), shading),
@@ -329,16 +344,17 @@ impl<'v> Stamps<'v> {
             let low = order.cells(mask);
             let mid = order.cells(mask >> 9);
             let high = order.cells(mask >> 18);
+            let ranks = [first, first + low.1, first + low.1 + mid.1];
             let planes = [
-                (low, middle.wrapping_sub(self.along_z), first),
-                (mid, middle, first + low.1),
-                (
-                    high,
-                    middle.wrapping_add(self.along_z),
-                    first + low.1 + mid.1,
-                ),
+                (low, middle.wrapping_sub(self.along_z), ranks[0], 0),
+                (mid, middle, ranks[1], 9),
+                (high, middle.wrapping_add(self.along_z), ranks[2], 18),
             ];
-            for ((cells, count), at, first) in order.planes(planes) {
+            let light = parents.light.map(|light| {
+                let d = light.parents.get(subcell).copied().unwrap_or(0);
+                (light.at.wrapping_add(d), light.cells)
+            });
+            for ((cells, count), at, first, plane) in order.planes(planes) {
                 if count == 0 {
                     continue;
                 }
@@ -358,6 +374,8 @@ impl<'v> Stamps<'v> {
                     at,
                     w: centre.w,
                     corner,
+                    light,
+                    plane,
                 };
                 let cells = cells.iter().take(count);
                 if order.is_backwards() {
@@ -404,7 +422,14 @@ impl<'v> Stamps<'v> {
                 away: towards < 0,
                 w: samples.w,
             };
-            C::stamp(target, stamp, mask, || shading.of_normal(word >> 3));
+            let colour = || match samples.light {
+                None => shading.of_normal(word >> 3),
+                Some((at, cells)) => {
+                    let d = cells.get((samples.plane + cell - FIRST) as usize).copied();
+                    shading.colour_at(word, at.wrapping_add(d.unwrap_or(0)))
+                }
+            };
+            C::stamp(target, stamp, mask, colour);
         }
     }
 }
@@ -416,6 +441,10 @@ struct Samples<'g> {
     at: u32,
     w: i32,
     corner: u32,
+    /// The parent in the light, and the way from there to its subcells.
+    light: Option<(u32, &'g [u32; 27])>,
+    /// The number of the plane's first subcell.
+    plane: u32,
 }
 
 const _: () = assert!(FINER == 4);

@@ -23,6 +23,9 @@
 //!   a place within a window and a half width stays outside; [`stamp`] bounds `breadth`.
 //! * *circle*: eight or six bits of place, and [`Circle`] has a table of as many.
 //! * *spread*: eight bits of a mask.
+//! * *in the light*: displacements by subcell and by a list's number, as above; of what a word is moved by,
+//!   its upper seven and its lowest three bits; the map by as many bits of u and of v as its side has, which
+//!   [`stamp`] compares with its length.
 //! * *filling*, *covered*: [`next_to_fill`] and [`is_covered`] check their bounds themselves.
 //! * *pixels*: places have six bits each, so windows begin within 64 x 64 pixels of the corner, and
 //!   [`stamp`] checks that those and three more, each way, are in the frame's bytes.
@@ -32,11 +35,12 @@
 use core::arch::{asm, global_asm};
 use core::mem::MaybeUninit;
 
-use super::lists::{LISTS, Lists};
+use super::lists::{FIRST, LISTS, Lists};
 use super::mask::{Direction, HALF_PLANES, WINDOWS};
 use super::{Circle, MAX_PARENTS, Parents, Stamps, classes};
 use crate::normal::COUNT;
 use crate::render::project::Homogeneous;
+use crate::render::shadow::LookUp;
 use crate::render::tones::{SPREAD, margin};
 
 /// Bytes from row to row of the frames that the assembly knows.
@@ -228,12 +232,55 @@ struct Block {
     lists: *const Lists,
     /// 144: bits, place and words of each plane.
     planes: MaybeUninit<[u32; 9]>,
+    /// 180: where shadows are looked up.
+    light: InLight,
+}
+
+/// What looking up a sample's shadow needs.
+#[repr(C)]
+struct InLight {
+    /// 180: the tone of what the light does not reach.
+    unlit: u32,
+    /// 184: by class of normal and offset.
+    moved: *const u32,
+    /// 188, 192: the parent's place in the light, and the plane's displacements, less [`FIRST`].
+    parent: u32,
+    plane: *const u32,
+    /// 196: the texels.
+    map: *const u16,
+    /// 200, 204, 208: the block's place, its parents' and their cells' displacements, less [`FIRST`].
+    at: u32,
+    parents: *const u32,
+    cells: *const u32,
+}
+
+impl InLight {
+    /// None is looked up.
+    const NONE: Self = Self {
+        unlit: 0,
+        moved: core::ptr::null(),
+        parent: 0,
+        plane: core::ptr::null(),
+        map: core::ptr::null(),
+        at: 0,
+        parents: core::ptr::null(),
+        cells: core::ptr::null(),
+    };
 }
 
 unsafe extern "C" {
     fn rho_grid_stamp_two(block: *mut Block);
     fn rho_grid_stamp_three(block: *mut Block);
     fn rho_grid_stamp_four(block: *mut Block);
+    fn rho_grid_stamp_two_64(block: *mut Block);
+    fn rho_grid_stamp_three_64(block: *mut Block);
+    fn rho_grid_stamp_four_64(block: *mut Block);
+    fn rho_grid_stamp_two_128(block: *mut Block);
+    fn rho_grid_stamp_three_128(block: *mut Block);
+    fn rho_grid_stamp_four_128(block: *mut Block);
+    fn rho_grid_stamp_two_256(block: *mut Block);
+    fn rho_grid_stamp_three_256(block: *mut Block);
+    fn rho_grid_stamp_four_256(block: *mut Block);
 }
 
 /// Stamps all subcells of a block's parents.
@@ -243,7 +290,30 @@ pub(super) fn stamp(
     parents: &Parents<'_, '_>,
     pixels: &mut [u8],
     tones: &[u8; COUNT],
+    shadows: Option<LookUp<'_>>,
 ) {
+    let bits = shadows.map_or(0, |shadows| shadows.bits);
+    let light = match (shadows, &parents.light) {
+        (None, _) => InLight::NONE,
+        // Maps of other sizes there are none.
+        (Some(shadows), Some(light))
+            if (6..=8).contains(&shadows.bits)
+                && light.parents.len() >= parents.subcells
+                && shadows.map.len() >> shadows.bits >> shadows.bits > 0 =>
+        {
+            InLight {
+                unlit: shadows.unlit.into(),
+                moved: shadows.moved.as_ptr().cast(),
+                parent: 0,
+                plane: core::ptr::null(),
+                map: shadows.map.as_ptr(),
+                at: light.at,
+                parents: light.parents.as_ptr(),
+                cells: light.cells.as_ptr().wrapping_sub(FIRST as usize),
+            }
+        }
+        _ => return,
+    };
     let (x, y) = stamps.corner;
     let corner = margin(STRIDE) as i32 + y * STRIDE as i32 + x;
     // 63 pixels on, and the window's three.
@@ -299,13 +369,23 @@ pub(super) fn stamp(
         end: order.end,
         lists: LISTS.as_ptr(),
         planes: MaybeUninit::uninit(),
+        light,
     };
     // SAFETY: the module's argument; all that is pointed to is borrowed here.
     unsafe {
-        match rows {
-            2 => rho_grid_stamp_two(&raw mut block),
-            3 => rho_grid_stamp_three(&raw mut block),
-            _ => rho_grid_stamp_four(&raw mut block),
+        match (rows, bits) {
+            (2, 0) => rho_grid_stamp_two(&raw mut block),
+            (3, 0) => rho_grid_stamp_three(&raw mut block),
+            (_, 0) => rho_grid_stamp_four(&raw mut block),
+            (2, 6) => rho_grid_stamp_two_64(&raw mut block),
+            (3, 6) => rho_grid_stamp_three_64(&raw mut block),
+            (_, 6) => rho_grid_stamp_four_64(&raw mut block),
+            (2, 7) => rho_grid_stamp_two_128(&raw mut block),
+            (3, 7) => rho_grid_stamp_three_128(&raw mut block),
+            (_, 7) => rho_grid_stamp_four_128(&raw mut block),
+            (2, _) => rho_grid_stamp_two_256(&raw mut block),
+            (3, _) => rho_grid_stamp_three_256(&raw mut block),
+            (_, _) => rho_grid_stamp_four_256(&raw mut block),
         }
     }
 }
@@ -315,15 +395,83 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, classes) == 68);
     assert!(core::mem::offset_of!(Block, centre) == 96);
     assert!(core::mem::offset_of!(Block, planes) == 144);
+    assert!(core::mem::offset_of!(Block, light) == 180);
+    assert!(core::mem::offset_of!(InLight, cells) == 28);
     assert!(size_of::<Lists>() == 5120);
     // Subcells and ranks have a byte each.
     assert!(MAX_PARENTS < 256);
 };
 
 global_asm!(
+    // The tone of a sample into r7, where something may lie between it and the light; the table of
+    // spread bits into r12. Takes r8 for the word and r1 for the next entry; r9 and r11 are free.
+    ".macro RHO_SHADED backwards, bits",
+    "ldr r12, [r0, #60]",
+    "lsr r9, r8, #3",
+    "ldrb r7, [r12, r9]", // the tone in the light
+    "ldr r12, [r0, #180]",
+    "cmp r7, r12",
+    "beq 6f", // it faces away
+    "ldr r12, [r0, #184]",
+    "lsr r9, r8, #9",
+    "add r12, r12, r9, lsl #5",
+    "and r8, r8, #7",
+    "ldr r9, [r12, r8, lsl #2]", // what its normal and offset move it by
+    ".if \\backwards",
+    "ldrb r8, [r1]",
+    ".else",
+    "ldrb r8, [r1, #-1]",
+    ".endif",
+    "ldrd r11, r12, [r0, #188]",
+    "and r8, r8, #15",
+    "add r9, r9, r11",
+    "ldr r8, [r12, r8, lsl #2]", // from its parent
+    "ldr r12, [r0, #196]",
+    "add r9, r9, r8",                        // its place in the light
+    "ubfx r8, r9, #(11 - \\bits), #\\bits",  // u
+    "ubfx r11, r9, #(22 - \\bits), #\\bits", // v
+    "add r8, r8, r11, lsl #\\bits",
+    "ldrh r8, [r12, r8, lsl #1]",
+    "cmp r8, r9, lsr #22",
+    "it lo",
+    "ldrlo r7, [r0, #180]",
+    "6:",
+    "ldr r12, [r0, #64]",
+    ".endm",
+    // Four pixels of a row: those that the sample opens become its tone. r10 the window.
+    ".macro RHO_ROW bits, tone, at",
+    "ldr r9, [r10, #\\at]",
+    "bic \\bits, \\bits, r9",
+    "mla r9, \\bits, \\tone, r9",
+    "str r9, [r10, #\\at]",
+    ".endm",
+    // All rows: lr the mask, r12 the table of spread bits.
+    ".macro RHO_ROWS rows, tone",
+    ".if \\rows == 2",
+    "add lr, r12, lr, lsl #3",
+    "ldrd r11, r12, [lr]",
+    ".else",
+    "uxtb r9, lr",
+    "lsr lr, lr, #8",
+    "add r9, r12, r9, lsl #3",
+    "add lr, r12, lr, lsl #3",
+    "ldrd r11, r12, [r9]",
+    ".endif",
+    "RHO_ROW r11, \\tone, 0",
+    "RHO_ROW r12, \\tone, 240",
+    ".if \\rows == 3",
+    "ldr r11, [lr]",
+    "RHO_ROW r11, \\tone, 480",
+    ".endif",
+    ".if \\rows == 4",
+    "ldrd r11, r12, [lr]",
+    "RHO_ROW r11, \\tone, 480",
+    "RHO_ROW r12, \\tone, 720",
+    ".endif",
+    ".endm",
     // One sample. r0 block, r1 next entry, r2 end, r3 place, r4 words, r5 classes, r6 half-planes,
     // r7 corner; r8 to r12 and lr are free.
-    ".macro RHO_SAMPLES rows, backwards",
+    ".macro RHO_SAMPLES rows, backwards, shaded",
     "1:",
     ".if \\backwards",
     "ldrb r8, [r1, #-1]!",
@@ -381,44 +529,15 @@ global_asm!(
     ".endif",
     "ands lr, lr, r12", // the mask
     "beq 4f",
+    ".if \\shaded",
+    "RHO_SHADED \\backwards, \\shaded",
+    "RHO_ROWS \\rows, r7",
+    "ldr r7, [r0, #76]",
+    ".else",
     "ldrd r11, r12, [r0, #60]",
     "lsr r8, r8, #3",
     "ldrb r8, [r11, r8]", // the tone
-    ".if \\rows == 2",
-    "add lr, r12, lr, lsl #3",
-    "ldrd r11, r12, [lr]",
-    ".else",
-    "uxtb r9, lr",
-    "lsr lr, lr, #8",
-    "add r9, r12, r9, lsl #3",
-    "add lr, r12, lr, lsl #3",
-    "ldrd r11, r12, [r9]",
-    ".endif",
-    "ldr r9, [r10]",
-    "bic r11, r11, r9",
-    "mla r9, r11, r8, r9",
-    "str r9, [r10]",
-    "ldr r9, [r10, #240]",
-    "bic r12, r12, r9",
-    "mla r9, r12, r8, r9",
-    "str r9, [r10, #240]",
-    ".if \\rows == 3",
-    "ldr r11, [lr]",
-    "ldr r9, [r10, #480]",
-    "bic r11, r11, r9",
-    "mla r9, r11, r8, r9",
-    "str r9, [r10, #480]",
-    ".endif",
-    ".if \\rows == 4",
-    "ldrd r11, r12, [lr]",
-    "ldr r9, [r10, #480]",
-    "bic r11, r11, r9",
-    "mla r9, r11, r8, r9",
-    "str r9, [r10, #480]",
-    "ldr r9, [r10, #720]",
-    "bic r12, r12, r9",
-    "mla r9, r12, r8, r9",
-    "str r9, [r10, #720]",
+    "RHO_ROWS \\rows, r8",
     ".endif",
     "4:",
     "cmp r1, r2",
@@ -438,7 +557,7 @@ global_asm!(
     "b 2b",
     ".endm",
     // A plane: r1 its nine bits, r3 its place, r4 its words.
-    ".macro RHO_PLANE rows, backwards",
+    ".macro RHO_PLANE rows, backwards, shaded",
     "cbnz r1, 5f",
     "bx lr",
     "5:",
@@ -454,10 +573,21 @@ global_asm!(
     ".else",
     "add r2, r2, r1",
     ".endif",
-    "RHO_SAMPLES \\rows, \\backwards",
+    "RHO_SAMPLES \\rows, \\backwards, \\shaded",
     ".endm",
-    // All parents. Registers are saved for the caller, as its convention wants.
-    ".macro RHO_BLOCK name, rows",
+    // The displacements of a plane in the light, so many bytes from the first plane's.
+    ".macro RHO_IN_LIGHT at, shaded",
+    ".if \\shaded",
+    "ldr r8, [r0, #208]",
+    ".if \\at",
+    "add r8, r8, #\\at",
+    ".endif",
+    "str r8, [r0, #192]",
+    ".endif",
+    ".endm",
+    // All parents; shadows are looked up in a map of 2^shaded texels a side, if that is not 0.
+    // Registers are saved for the caller, as its convention wants.
+    ".macro RHO_BLOCK name, rows, shaded",
     ".section .text.\\name,\"ax\",%progbits",
     ".global \\name",
     ".type \\name,%function",
@@ -471,6 +601,13 @@ global_asm!(
     "ldr r12, [r1], #4", // order, subcell, rank
     "str r1, [r0, #132]",
     "ubfx r1, r12, #8, #8",
+    ".if \\shaded",
+    "ldr r2, [r0, #204]",
+    "ldr r3, [r0, #200]",
+    "ldr r2, [r2, r1, lsl #2]",
+    "add r2, r2, r3",
+    "str r2, [r0, #188]", // the parent in the light
+    ".endif",
     "ldr r2, [r0, #108]",
     "add r1, r1, r1, lsl #1",
     "add r1, r2, r1, lsl #2",
@@ -534,23 +671,29 @@ global_asm!(
     "bne 20f",
     "tst r12, #0x40000",
     "bne 11f",
+    "RHO_IN_LIGHT 0, \\shaded",
     "add r2, r0, #144",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
+    "RHO_IN_LIGHT 36, \\shaded",
     "add r2, r0, #156",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
+    "RHO_IN_LIGHT 72, \\shaded",
     "add r2, r0, #168",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
     "b 12f",
     "11:",
+    "RHO_IN_LIGHT 72, \\shaded",
     "add r2, r0, #168",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
+    "RHO_IN_LIGHT 36, \\shaded",
     "add r2, r0, #156",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
+    "RHO_IN_LIGHT 0, \\shaded",
     "add r2, r0, #144",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
@@ -562,35 +705,50 @@ global_asm!(
     "20:",
     "tst r12, #0x40000",
     "bne 21f",
+    "RHO_IN_LIGHT 0, \\shaded",
     "add r2, r0, #144",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
+    "RHO_IN_LIGHT 36, \\shaded",
     "add r2, r0, #156",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
+    "RHO_IN_LIGHT 72, \\shaded",
     "add r2, r0, #168",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
     "b 12b",
     "21:",
+    "RHO_IN_LIGHT 72, \\shaded",
     "add r2, r0, #168",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
+    "RHO_IN_LIGHT 36, \\shaded",
     "add r2, r0, #156",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
+    "RHO_IN_LIGHT 0, \\shaded",
     "add r2, r0, #144",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
     "b 12b",
     "30:",
-    "RHO_PLANE \\rows, 0",
+    "RHO_PLANE \\rows, 0, \\shaded",
     "40:",
-    "RHO_PLANE \\rows, 1",
+    "RHO_PLANE \\rows, 1, \\shaded",
     ".size \\name, . - \\name",
     ".endm",
     ".syntax unified",
-    "RHO_BLOCK rho_grid_stamp_two, 2",
-    "RHO_BLOCK rho_grid_stamp_three, 3",
-    "RHO_BLOCK rho_grid_stamp_four, 4",
+    "RHO_BLOCK rho_grid_stamp_two, 2, 0",
+    "RHO_BLOCK rho_grid_stamp_three, 3, 0",
+    "RHO_BLOCK rho_grid_stamp_four, 4, 0",
+    "RHO_BLOCK rho_grid_stamp_two_64, 2, 6",
+    "RHO_BLOCK rho_grid_stamp_three_64, 3, 6",
+    "RHO_BLOCK rho_grid_stamp_four_64, 4, 6",
+    "RHO_BLOCK rho_grid_stamp_two_128, 2, 7",
+    "RHO_BLOCK rho_grid_stamp_three_128, 3, 7",
+    "RHO_BLOCK rho_grid_stamp_four_128, 4, 7",
+    "RHO_BLOCK rho_grid_stamp_two_256, 2, 8",
+    "RHO_BLOCK rho_grid_stamp_three_256, 3, 8",
+    "RHO_BLOCK rho_grid_stamp_four_256, 4, 8",
 );

@@ -1,0 +1,102 @@
+//! The light's pass: the map, filled from a grid.
+
+use super::cells::{self, Cell, Subcells};
+use super::light::Light;
+use super::map::ShadowMap;
+use super::view::{ShadowView, texels};
+use crate::blob::{Blob, Grid};
+use crate::mode::{LightSplat, MapSize};
+
+/// What casts shadows: the samples of a level of a grid.
+#[derive(Clone, Copy, Debug)]
+pub struct Caster<'a> {
+    /// The grid.
+    pub grid: Grid<'a>,
+    /// The level.
+    pub level: usize,
+    /// The side of its splats in texels.
+    pub splat: usize,
+}
+
+impl<'a> Caster<'a> {
+    /// The coarsest samples of a blob whose cells are at most as large as a splat, else the finest;
+    /// of those, splats are as large as a cell.
+    ///
+    /// It is often unimportant to capture shadows in detail (paper, section 5.3): what is
+    /// looked up has a texel's accuracy anyway.
+    #[must_use]
+    pub fn of(blob: &Blob<'a>, light: &Light, size: MapSize, splat: LightSplat) -> Option<Self> {
+        let wanted = splat.texels();
+        let levels = blob.grids().flat_map(|grid| {
+            let levels = grid.first_sampled().max(1)..=grid.subdivisions();
+            levels.map(move |level| (grid, level))
+        });
+        let casters = levels.map(|(grid, level)| {
+            let cells = grid.cells(level);
+            // An eighth of a texel more opens no gap: samples are means over several cells.
+            let side = texels(light, size, cells).saturating_sub(32).div_ceil(256);
+            let fits = side <= wanted;
+            let splat = side.clamp(wanted, LightSplat::LARGEST) as usize;
+            let order = (!fits, if fits { cells } else { u32::MAX - cells });
+            (order, Self { grid, level, splat })
+        });
+        casters
+            .min_by_key(|(order, _)| *order)
+            .map(|(_, caster)| caster)
+    }
+
+    /// Lays a splat for each sample, seen by `view`.
+    pub fn cast(&self, view: &ShadowView, map: &mut ShadowMap<'_>) {
+        match self.splat {
+            1 => self.lay::<1>(view, map),
+            2 => self.lay::<2>(view, map),
+            3 => self.lay::<3>(view, map),
+            _ => self.lay::<4>(view, map),
+        }
+    }
+
+    fn lay<const SIDE: usize>(&self, view: &ShadowView, map: &mut ShadowMap<'_>) {
+        let (grid, level) = (&self.grid, self.level);
+        let parents = level.saturating_sub(1);
+        let Some(nodes) = grid.levels().get(parents) else {
+            return;
+        };
+        let first = grid.levels().get(level);
+        let first = first.map_or(grid.first_leaf(), |level| level.first) as usize;
+        let words = grid.attributes().get(first..).unwrap_or_default();
+        let displacements = view.displacements(parents);
+        let moved = view.moved();
+        #[cfg(rho_thumb)]
+        if SIDE == 2
+            && nodes.rho == 3
+            && let Some(splats) = super::thumb::Splats::new(displacements, moved, map)
+        {
+            cells::walk(grid, |cell: Cell| {
+                if cell.level < parents {
+                    return true;
+                }
+                let first = nodes.first_child(cell.node) as usize;
+                let words = words.get(first..).unwrap_or_default();
+                let [mask, ..] = nodes.mask::<3>(cell.node);
+                splats.lay(view.place(parents, cell.place), mask, words);
+                false
+            });
+            return;
+        }
+        cells::walk(grid, |cell: Cell| {
+            if cell.level < parents {
+                return true;
+            }
+            let place = view.place(parents, cell.place);
+            let first = nodes.first_child(cell.node) as usize;
+            let words = words.get(first..).unwrap_or_default();
+            let subcells = Subcells::of(nodes.mask_any(cell.node));
+            for (subcell, word) in subcells.zip(words) {
+                let d = displacements.get(subcell as usize).copied().unwrap_or(0);
+                let at = place.wrapping_add(d).wrapping_add(moved.of((*word).into()));
+                map.splat::<SIDE>(at);
+            }
+            false
+        });
+    }
+}

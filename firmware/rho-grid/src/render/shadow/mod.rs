@@ -1,0 +1,167 @@
+//! Shadows of a directional light, by a shadow map (paper, section 5.3).
+//!
+//! ```text
+//! light   bounds of the grid across and along the light; the scale that fits the map         Light
+//!         tables: a subcell's displacement in the light's space, one word                    ShadowView
+//! cast    for each sample of a coarse grid: a splat of some texels, the nearest depth stays  Caster
+//! draw    a sample about to be shown, and not facing away from the light:
+//!         its place = its parent's + displacement + what normal and offset move it by        Shadowed
+//!         something lies before it in the map: it is drawn as if the light were off
+//! ```
+//!
+//! A place, two coordinates and a depth, is one word ([`view`]), so that a sample's is found by two
+//! additions. Departures from the paper: its two passes draw the same samples, here the light's pass
+//! takes those of a grid whose cells are as large as a splat, and the eye's pass looks up what it shows
+//! alone. What is looked up is moved outwards ([`Bias`]), since a flat splat stands out of a
+//! surface that is not perpendicular to the light; tests/tests/shadows.rs prints what the
+//! moves cost and gain.
+
+mod cast;
+mod cells;
+mod light;
+mod map;
+mod moved;
+#[cfg(rho_thumb)]
+mod thumb;
+mod view;
+
+pub use cast::Caster;
+pub use light::Light;
+pub use map::ShadowMap;
+pub use moved::Bias;
+pub use view::ShadowView;
+
+use crate::blob::{Blob, Grid};
+use crate::mode::{LightSplat, MapSize};
+#[cfg(rho_thumb)]
+use crate::normal::COUNT;
+use crate::q::Unit;
+use crate::shading::Shade;
+
+/// The tables of an object in the light: of what is drawn, and of what casts its shadows.
+#[derive(Clone, Debug)]
+pub struct Shadows {
+    looked_up: ShadowView,
+    cast: ShadowView,
+}
+
+impl Shadows {
+    /// Tables not yet filled.
+    #[must_use]
+    pub const fn empty() -> Self {
+        Self {
+            looked_up: ShadowView::empty(),
+            cast: ShadowView::empty(),
+        }
+    }
+
+    /// Fills the tables for a light towards `towards` and `drawn`, a grid of `blob`, and the map in
+    /// `buffer`. All of it stays as it is until light or object move.
+    ///
+    /// `None` when the buffer is too short for the map, or the blob has no grid.
+    pub fn cast<'m>(
+        &mut self,
+        blob: &Blob<'_>,
+        drawn: &Grid<'_>,
+        towards: [Unit; 3],
+        (size, splat): (MapSize, LightSplat),
+        buffer: &'m mut [u16],
+    ) -> Option<ShadowMap<'m>> {
+        let mut light = Light::towards(towards);
+        light.hold(drawn);
+        let caster = Caster::of(blob, &light, size, splat)?;
+        let bias = Bias::splat(caster.splat);
+        self.cast
+            .prepare(&light, size, &caster.grid, caster.level, bias);
+        let leaves = drawn.subdivisions();
+        self.looked_up
+            .prepare(&light, size, drawn, leaves, Bias::LOOKED_UP);
+        let mut map = ShadowMap::cleared(buffer, size)?;
+        caster.cast(&self.cast, &mut map);
+        Some(map)
+    }
+
+    /// How samples look, drawn as `shade` has them, but where `map` has something before them.
+    #[must_use]
+    pub fn over<'a, S>(&'a self, shade: &'a S, map: &'a ShadowMap<'a>) -> Shadowed<'a, S> {
+        Shadowed {
+            shade,
+            view: &self.looked_up,
+            map,
+        }
+    }
+}
+
+/// What the loops in assembly look up: the tables of [`Shadowed`].
+#[cfg(rho_thumb)]
+#[derive(Clone, Copy, Debug)]
+pub struct LookUp<'a> {
+    /// The tone of the first material where the light does not reach it.
+    pub(super) unlit: u8,
+    /// By the upper seven bits of a word and its lowest three.
+    pub(super) moved: &'a [[u32; 8]; 128],
+    /// `2^bits` texels a side.
+    pub(super) map: &'a [u16],
+    pub(super) bits: u32,
+}
+
+/// A way to shade, but where something lies between the light and a sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Shadowed<'a, S> {
+    /// How samples look in the light.
+    pub shade: &'a S,
+    /// The grid in the light.
+    pub view: &'a ShadowView,
+    /// What the light sees.
+    pub map: &'a ShadowMap<'a>,
+}
+
+impl<S: Shade> Shade for Shadowed<'_, S> {
+    #[inline(always)]
+    fn colour(&self, word: u32) -> u16 {
+        self.shade.colour(word)
+    }
+
+    #[inline(always)]
+    fn of_normal(&self, index: u32) -> u16 {
+        self.shade.of_normal(index)
+    }
+
+    #[inline(always)]
+    fn unlit(&self, word: u32) -> u16 {
+        self.shade.unlit(word)
+    }
+
+    #[inline(always)]
+    fn light(&self) -> Option<&ShadowView> {
+        Some(self.view)
+    }
+
+    #[cfg(rho_thumb)]
+    fn tones(&self) -> Option<&[u8; COUNT]> {
+        // None when words have their normals elsewhere.
+        self.view.moved().table()?;
+        self.shade.tones()
+    }
+
+    #[cfg(rho_thumb)]
+    fn look_up(&self) -> Option<LookUp<'_>> {
+        Some(LookUp {
+            unlit: self.shade.unlit(0) as u8,
+            moved: self.view.moved().table()?,
+            map: self.map.texels(),
+            bits: self.map.size().bits(),
+        })
+    }
+
+    /// What faces away from the light is dark, and need not be looked up.
+    #[inline(never)]
+    fn colour_at(&self, word: u32, place: u32) -> u16 {
+        let (lit, unlit) = (self.shade.colour(word), self.shade.unlit(word));
+        let shaded = lit != unlit
+            && self
+                .map
+                .shades(place.wrapping_add(self.view.moved().of(word)));
+        if shaded { unlit } else { lit }
+    }
+}

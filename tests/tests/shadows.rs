@@ -1,0 +1,153 @@
+//! Shadows against those of the ray-caster, and what they cost.
+
+use std::sync::OnceLock;
+
+use glam::DVec3;
+use host_tools::picture::Picture;
+use host_tools::reference::{Caster, Shot};
+use host_tools::render;
+use host_tools::shadows::{Pair, Wrong, compare};
+use host_tools::view::{STANDARD_LIGHT, StandardView, View};
+use rho_grid::mode::{FootprintMode, FrameMode, MapSize, Mode, Preset, ShadowMode, VisibilityMode};
+use rho_tests::firmware::ask;
+use rho_tests::scan::{bunny, standard_bunny};
+use rho_viewer::count::Phase;
+use rho_viewer::report::Report;
+use rho_viewer::request::{Request, Scene};
+
+/// Sides from which shadows are longer than from the standard scene's.
+const LOW: [DVec3; 3] = [
+    DVec3::new(1.0, 0.5, 0.2),
+    DVec3::new(-0.9, 0.6, 0.1),
+    DVec3::new(0.2, 1.0, 0.1),
+];
+
+fn caster() -> &'static Caster<'static> {
+    static CASTER: OnceLock<Caster<'static>> = OnceLock::new();
+    CASTER.get_or_init(|| Caster::new(bunny()))
+}
+
+/// One ray through each pixel's centre, with shadows and without.
+fn truth(view: View, light: DVec3) -> [Picture; 2] {
+    [true, false].map(|shadows| {
+        let shot = Shot {
+            samples: 1,
+            light: light.normalize(),
+            shadows,
+            ..Shot::standard(view)
+        };
+        caster().render(&shot, &|| ()).unwrap().picture
+    })
+}
+
+fn mode(preset: Preset, view: &View, shadow_map: u16) -> Mode {
+    Mode {
+        shadows: ShadowMode::TwoPass,
+        shadow_map: MapSize::of(shadow_map).unwrap(),
+        ..preset.mode(&standard_bunny().blob().unwrap(), &view.camera().unwrap())
+    }
+}
+
+fn drawn(view: &View, light: DVec3, mode: Mode) -> Picture {
+    let drawn = render::render(&standard_bunny().blob().unwrap(), view, light, mode).unwrap();
+    Picture::from_rgb565(drawn.width.into(), drawn.height.into(), &drawn.words)
+}
+
+/// How a mode shades a view, against the truth.
+fn judged(view: View, light: DVec3, mode: Mode, [shadowed, lit]: &[Picture; 2]) -> Wrong {
+    let bare = Mode {
+        shadows: ShadowMode::None,
+        ..mode
+    };
+    let ours = [mode, bare].map(|mode| drawn(&view, light, mode));
+    let ours = Pair {
+        shadowed: &ours[0],
+        lit: &ours[1],
+    };
+    compare(ours, Pair { shadowed, lit }, [0; 3]).unwrap()
+}
+
+/// Measured when the limits were set: 1.7 % with a map of 128 texels, 1.7 % with 256.
+#[test]
+fn of_the_bunny_near_few_pixels_are_shaded_wrongly() {
+    let view = View::from(StandardView::Near);
+    let truth = truth(view, STANDARD_LIGHT);
+    for (size, limit) in [(64, 4.0), (128, 4.0), (256, 2.5)] {
+        for preset in [Preset::Balanced, Preset::Fine] {
+            let wrong = judged(view, STANDARD_LIGHT, mode(preset, &view, size), &truth);
+            println!("{size} {preset}: {:.2} % {wrong:?}", wrong.per_cent());
+            assert!(wrong.per_cent() <= limit, "{size} {preset}: {wrong:?}");
+            assert!(wrong.shadowed > 400, "{wrong:?}");
+        }
+    }
+}
+
+/// Where much lies in shadow, most of it is found, and hardly a pixel of what is lit is dark.
+#[test]
+fn long_shadows_are_found_and_what_is_lit_stays_so() {
+    let view = View::from(StandardView::NearTurned);
+    for light in LOW {
+        let truth = truth(view, light);
+        let wrong = judged(view, light, mode(Preset::Balanced, &view, 128), &truth);
+        println!("{light}: {:.2} % {wrong:?}", wrong.per_cent());
+        let parts = |n: usize, of: usize| n as f64 / of as f64;
+        assert!(
+            parts(wrong.acne, wrong.covered) < 0.02,
+            "{light}: {wrong:?}"
+        );
+        assert!(
+            parts(wrong.leaks, wrong.shadowed) < 0.55,
+            "{light}: {wrong:?}"
+        );
+    }
+}
+
+/// Frames of words, in boxes and discs, by either visibility, are shaded as the presets' are.
+#[test]
+fn every_mode_is_shaded_alike() {
+    let view = View::from(StandardView::Near);
+    let truth = truth(view, STANDARD_LIGHT);
+    for visibility in [VisibilityMode::Eye, VisibilityMode::Z] {
+        for &footprint in FootprintMode::ALL {
+            let mode = Mode {
+                visibility,
+                footprint,
+                frame: FrameMode::Words,
+                ..mode(Preset::Balanced, &view, 128)
+            };
+            let wrong = judged(view, STANDARD_LIGHT, mode, &truth);
+            println!(
+                "{visibility} {footprint}: {:.2} % {wrong:?}",
+                wrong.per_cent()
+            );
+            assert!(
+                wrong.per_cent() < 4.0,
+                "{visibility} {footprint}: {wrong:?}"
+            );
+        }
+    }
+}
+
+fn report(mode: Mode) -> Report {
+    let request = Request::Model(Scene {
+        camera: View::from(StandardView::Near).camera().unwrap(),
+        light: render::light(STANDARD_LIGHT),
+        mode,
+    });
+    let run = ask(&request.line(), Some(standard_bunny().bytes())).unwrap();
+    run.done().unwrap().report
+}
+
+#[test]
+fn a_map_that_is_kept_costs_nothing_and_shades_alike() {
+    let view = View::from(StandardView::Near);
+    let made = mode(Preset::Balanced, &view, 128);
+    let kept = report(Mode {
+        shadows: ShadowMode::Kept,
+        ..made
+    });
+    let made = report(made);
+    assert_eq!(kept.frame_crc32, made.frame_crc32);
+    let cost = |report: &Report| report.phases.get(Phase::ShadowMap);
+    assert!(cost(&kept) < 500 && cost(&made) > 10_000);
+}
