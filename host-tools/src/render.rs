@@ -2,15 +2,18 @@
 
 use fixed::traits::ToFixed;
 use glam::DVec3;
-use rho_grid::blob::Blob;
+use rho_grid::blob::{Blob, Grid};
 use rho_grid::camera::Camera;
 use rho_grid::frame::Frame;
 use rho_grid::mode::{FrameMode, Mode, VisibilityMode};
 use rho_grid::q::Unit;
-use rho_grid::render::{self, EyeOrder, Rect, Tones, Visibility, ZBuffer, tone_words};
+use rho_grid::render::{
+    self, Blend, EyeOrder, Rect, Tones, Visibility, ZBuffer, bands, quarter_words, tone_words,
+};
 use rho_grid::shading::{Palette, Shading, ToneTable};
 
 use crate::failure::{Failure, Outcome};
+use crate::picture::Picture;
 use crate::view::View;
 
 /// Pixels a row of the widest picture.
@@ -30,6 +33,8 @@ pub struct Drawn {
     pub words: Vec<u16>,
     /// A pixel's distance along the optical axis in cube units, NaN where nothing is drawn.
     pub depth: Vec<f32>,
+    /// How much of each pixel is covered, 0 to 255, where quarters of pixels tell.
+    pub coverage: Option<Vec<u8>>,
 }
 
 impl Drawn {
@@ -37,6 +42,15 @@ impl Drawn {
     #[must_use]
     pub fn pixels(&self) -> usize {
         self.words.iter().filter(|w| **w != BACKGROUND).count()
+    }
+
+    /// The frame as a picture, with its coverage.
+    #[must_use]
+    pub fn picture(&self) -> Picture {
+        Picture {
+            coverage: self.coverage.clone(),
+            ..Picture::from_rgb565(self.width.into(), self.height.into(), &self.words)
+        }
     }
 
     /// CRC-32 over the words, little-endian, rows from the top.
@@ -76,6 +90,9 @@ pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outco
     let (width, height) = (camera.width, camera.height);
     let pixels = usize::from(width) * usize::from(height);
     let mut words = vec![BACKGROUND; pixels];
+    if mode.frame == FrameMode::Quarters {
+        return in_quarters(blob, &grid, &camera, towards, mode);
+    }
     let mut tables = Box::new(render::View::empty());
     let mut colours = vec![0; Shading::words(blob.materials().len())];
     let internal = |what: &str| Failure::input(format!("{what} (an error in rho)"));
@@ -124,6 +141,86 @@ pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outco
     Ok(drawn(&tables, (width, height), words, w))
 }
 
+/// Draws `blob` in quarters of pixels.
+fn in_quarters(
+    blob: &Blob<'_>,
+    grid: &Grid<'_>,
+    camera: &Camera,
+    towards: DVec3,
+    mode: Mode,
+) -> Outcome<Drawn> {
+    let (width, height) = (camera.width, camera.height);
+    let quarters = camera.in_quarters().ok_or_else(|| {
+        Failure::input(format!(
+            "a picture in quarters is at most {0} x {0} pixels large",
+            Camera::MAX_QUARTERED
+        ))
+        .help("give a smaller --size, or --frame tones")
+    })?;
+    let mut tables = Box::new(render::View::empty());
+    tables
+        .prepare(&quarters, grid, mode.cell_size)
+        .map_err(|e| Failure::input(e.to_string()))?;
+    let mut table = ToneTable::empty();
+    table.shade(grid.layout(), blob.materials().len(), light(towards));
+    let blend = Blend::new(&Palette::new(blob.materials(), BACKGROUND));
+    let row = usize::from(width);
+    let mut words = vec![BACKGROUND; row * usize::from(height)];
+    let mut w = vec![0; 4 * words.len()];
+    let mut buffer = vec![0; quarter_words(WIDEST)];
+    for rows in bands(height) {
+        let first = usize::from(rows.start / 2) * row;
+        tables.see_rows(rows.clone());
+        let band = Tones::<WIDEST, { 3 * WIDEST + 4 }>::band(&mut buffer, 2 * width, rows);
+        let band = band.ok_or_else(|| Failure::input("frame size (an error in rho)"))?;
+        let mut target = Recorder::new(band, &mut w, 2 * width);
+        render::draw_seen(mode, grid, &tables, &table, &mut target);
+        blend.rows(&target.inner, &mut words[first..], width);
+    }
+    let pixels = w.chunks_exact(4 * row).flat_map(|two| {
+        let (upper, lower) = two.split_at(2 * row);
+        let pairs = upper
+            .as_chunks::<2>()
+            .0
+            .iter()
+            .zip(lower.as_chunks::<2>().0);
+        pairs.map(|(&[a, b], &[c, d])| [a, b, c, d])
+    });
+    let covered = |quarters: [i32; 4]| quarters.into_iter().filter(|w| *w != 0);
+    let coverage = pixels
+        .clone()
+        .map(|quarters| (covered(quarters).count() * 255).div_ceil(4) as u8);
+    // A pixel's depth is that of its first quarter that has one.
+    let w = pixels.map(|quarters| covered(quarters).next().unwrap_or(0));
+    let (coverage, w) = (coverage.collect(), w.collect());
+    Ok(Drawn {
+        coverage: Some(coverage),
+        ..drawn(&tables, (width, height), words, w)
+    })
+}
+
+/// The picture of a frame that a device has drawn in this mode. A wire carries no coverage: where
+/// quarters of pixels tell it, it is that of the same frame drawn here.
+///
+/// # Errors
+/// As [`render`].
+pub fn picture(
+    drawn: (u16, u16, &[u16]),
+    blob: &Blob<'_>,
+    view: &View,
+    towards: DVec3,
+    mode: Mode,
+) -> Outcome<Picture> {
+    let (width, height, words) = drawn;
+    if mode.frame == FrameMode::Quarters {
+        let ours = render(blob, view, towards, mode)?;
+        if ours.words == words {
+            return Ok(ours.picture());
+        }
+    }
+    Ok(Picture::from_rgb565(width.into(), height.into(), words))
+}
+
 fn drawn(
     tables: &render::View,
     (width, height): (u16, u16),
@@ -143,6 +240,7 @@ fn drawn(
         height,
         words,
         depth,
+        coverage: None,
     }
 }
 
@@ -168,6 +266,10 @@ impl<V: Visibility> Visibility for Recorder<'_, V> {
 
     fn is_hidden(&self, rect: Rect) -> bool {
         self.inner.is_hidden(rect)
+    }
+
+    fn holds(&self, x: i32, y: i32) -> bool {
+        self.inner.holds(x, y)
     }
 
     fn draw(&mut self, rect: Rect, w: i32, colour: impl FnOnce() -> u16) {

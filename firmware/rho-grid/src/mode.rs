@@ -45,6 +45,8 @@ pub enum FrameMode {
     Words,
     /// A byte a pixel, an index of 128 tones; for eye order only.
     Tones,
+    /// A byte a quarter of a pixel, in bands, blended into RGB565 words; for eye order only.
+    Quarters,
 }
 
 /// A tuple of choices by name: how fine a picture, and all that draws it fastest.
@@ -60,6 +62,8 @@ pub enum Preset {
     Balanced,
     /// A cell is about a pixel.
     Fine,
+    /// In quarters of pixels, blended, from cells a little smaller than those of [`Preset::Fine`].
+    Finest,
 }
 
 impl Preset {
@@ -69,6 +73,7 @@ impl Preset {
             Self::Fast => 62,
             Self::Balanced => 82,
             Self::Fine => 123,
+            Self::Finest => 140,
         }
     }
 
@@ -95,7 +100,10 @@ impl Preset {
                 FootprintMode::Box
             },
             reciprocal: ReciprocalMode::Divide,
-            frame: FrameMode::Tones,
+            frame: match self {
+                Self::Finest => FrameMode::Quarters,
+                _ => FrameMode::Tones,
+            },
             grid: index.unwrap_or(0) as u16,
             ..Mode::default()
         }
@@ -203,11 +211,13 @@ names!(
     ReciprocalMode::Divide => "divide", ReciprocalMode::Table => "table"
 );
 names!(
-    Preset, "fast, balanced, fine",
-    Preset::Fast => "fast", Preset::Balanced => "balanced", Preset::Fine => "fine"
+    Preset, "fast, balanced, fine, finest",
+    Preset::Fast => "fast", Preset::Balanced => "balanced", Preset::Fine => "fine",
+    Preset::Finest => "finest"
 );
 names!(
-    FrameMode, "words, tones", FrameMode::Words => "words", FrameMode::Tones => "tones"
+    FrameMode, "words, tones, quarters",
+    FrameMode::Words => "words", FrameMode::Tones => "tones", FrameMode::Quarters => "quarters"
 );
 
 #[cfg(test)]
@@ -247,6 +257,7 @@ mod tests {
         assert_eq!(cells(Preset::Fast), [81, 41]);
         assert_eq!(cells(Preset::Balanced), [107, 54]);
         assert_eq!(cells(Preset::Fine), [160, 80]);
+        assert_eq!(cells(Preset::Finest), [206, 103]);
         // At and in the cube, and at any zoom, there is an answer.
         assert_eq!(
             Preset::Fine.cells(&camera(0.0)),

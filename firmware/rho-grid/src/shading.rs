@@ -185,10 +185,41 @@ const fn steps(materials: usize) -> usize {
     }
 }
 
+/// A colour that can be averaged: levels of RGB565 in eighths (red, blue) and quarters (green), ten bits
+/// each, of which a colour takes eight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Addend(u32);
+
+impl Addend {
+    fn new([red, green, blue]: [u32; 3]) -> Self {
+        Self(red << 20 | green << 10 | blue)
+    }
+
+    /// Of a colour without fractions.
+    fn of(colour: u16) -> Self {
+        let colour = u32::from(colour);
+        Self::new([
+            colour >> 11 << 3,
+            (colour >> 5 & 63) << 2,
+            (colour & 31) << 3,
+        ])
+    }
+
+    /// The mean of four, RGB565, each channel rounded to nearest.
+    #[inline(always)]
+    #[must_use]
+    pub fn mean([a, b, c, d]: [Self; 4]) -> u16 {
+        // At most 4 x 255 a channel, half a level included, so none reaches into the next.
+        let sum = a.0 + b.0 + c.0 + d.0 + (16 << 20 | 8 << 10 | 16);
+        ((sum >> 14) & 0xF800 | (sum >> 9) & 0x07E0 | (sum >> 5) & 0x1F) as u16
+    }
+}
+
 /// The colours of the tones, RGB565.
 #[derive(Clone, Debug)]
 pub struct Palette {
     colours: [u16; TONES],
+    addends: [Addend; TONES],
     background: u16,
 }
 
@@ -198,14 +229,18 @@ impl Palette {
     pub fn new(materials: impl ExactSizeIterator<Item = Material>, background: u16) -> Self {
         let steps = steps(materials.len());
         let mut colours = [background; TONES];
-        for (material, colours) in materials.zip(colours.chunks_mut(steps)) {
-            for (step, colour) in colours.iter_mut().enumerate() {
-                let lit = (step << 15) / (steps - 1);
-                *colour = shade(&material, lit as u32);
+        let mut addends = [Addend::of(background); TONES];
+        let tones = colours.chunks_mut(steps).zip(addends.chunks_mut(steps));
+        for (material, (colours, addends)) in materials.zip(tones) {
+            for (step, (colour, addend)) in colours.iter_mut().zip(addends).enumerate() {
+                let lit = ((step << 15) / (steps - 1)) as u32;
+                *colour = shade(&material, lit);
+                *addend = Addend::new(levels(&material, lit, [31 * 8, 63 * 4, 31 * 8]));
             }
         }
         Self {
             colours,
+            addends,
             background,
         }
     }
@@ -219,17 +254,35 @@ impl Palette {
         let colour = self.colours.get(usize::from(tone >> 1)).copied();
         colour.unwrap_or(self.background)
     }
+
+    /// The colour of a pixel, to be averaged.
+    #[must_use]
+    pub fn addend(&self, tone: u8) -> Addend {
+        let addend = self.addends.get(usize::from(tone >> 1)).copied();
+        let covered = addend.filter(|_| tone & 1 == 1);
+        covered.unwrap_or(Addend::of(self.background))
+    }
 }
 
 /// The colour under `lit` = max(0, n.l) (32768 = 1), RGB565, channels rounded to nearest.
 #[inline(always)]
 fn shade(material: &Material, lit: u32) -> u16 {
-    let channel = |i: usize, levels: u32| {
-        let of = |c: &[u16; 3]| c.get(i).map_or(0, |v| u32::from(*v));
-        let value = of(&material.ambient) + ((of(&material.diffuse) * lit + (1 << 14)) >> 15);
+    let [red, green, blue] = levels(material, lit, [31, 63, 31]);
+    (red << 11 | green << 5 | blue) as u16
+}
+
+/// Red, green and blue under `lit`, rounded to the nearest of so many levels above 0.
+#[inline(always)]
+fn levels(material: &Material, lit: u32, levels: [u32; 3]) -> [u32; 3] {
+    let Material {
+        ambient, diffuse, ..
+    } = *material;
+    let channel = |ambient: u16, diffuse: u16, levels: u32| {
+        let value = u32::from(ambient) + ((u32::from(diffuse) * lit + (1 << 14)) >> 15);
         (value.min(1 << 15) * levels + (1 << 14)) >> 15
     };
-    (channel(0, 31) << 11 | channel(1, 63) << 5 | channel(2, 31)) as u16
+    let ([a, b, c], [d, e, f], [r, g, bl]) = (ambient, diffuse, levels);
+    [channel(a, d, r), channel(b, e, g), channel(c, f, bl)]
 }
 
 #[cfg(test)]
@@ -281,6 +334,21 @@ mod tests {
                 assert_eq!(tone & 1, 1);
                 let step = f64::from(tone >> 1) - first as f64;
                 assert!((step - dot.max(0.0) * last).abs() < 0.62, "{index}: {step}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_mean_of_four_colours_is_the_nearest_in_each_channel() {
+        let colours = [0xFFFF, 0, 0x1234, 0x8765, 0xF81F, 0x07E0, 0x8410];
+        let at = |i: usize| colours[i % colours.len()];
+        for i in 0..colours.len() * colours.len() {
+            let four = [at(i), at(i / 7), at(i + 3), at(i / 2)];
+            let mean = Addend::mean(four.map(Addend::of));
+            for (shift, most) in [(11, 31), (5, 63), (0, 31)] {
+                let of = |colour: u16| u32::from(colour >> shift) & most;
+                let exact = four.iter().map(|c| of(*c)).sum::<u32>();
+                assert_eq!(of(mean), (exact + 2) / 4);
             }
         }
     }

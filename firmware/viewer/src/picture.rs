@@ -7,16 +7,19 @@ use rho_grid::blob::{Blob, BlobError};
 use rho_grid::frame::Frame;
 use rho_grid::mode::FrameMode;
 use rho_grid::render::{
-    Buffers, EyeOrder, Tones, View, ViewError, draw_mode, draw_seen, tone_words,
+    Blend, Buffers, EyeOrder, Tones, View, ViewError, bands, draw_mode, draw_seen, quarter_words,
+    tone_words,
 };
 use rho_grid::shading::{Palette, Shading, ToneTable};
 
 use crate::count::{Counter, Phase, Stopwatch};
+use crate::painter::{Give, PaintError, Painter, Shapes, draw_part};
+use crate::panel::ScreenError;
 use crate::request::Scene;
 use crate::size::{HEIGHT, PIXELS, WIDTH, Words};
 
 /// The background: black.
-const BACKGROUND: u16 = 0;
+pub(crate) const BACKGROUND: u16 = 0;
 
 /// What drawing needs beside the frame, for every mode and up to eight materials.
 #[derive(Debug)]
@@ -26,11 +29,58 @@ pub struct Memory {
     coverage: [u32; EyeOrder::words(WIDTH, HEIGHT)],
     depth: [u16; PIXELS],
     tone_table: ToneTable,
-    tones: [u32; tone_words(WIDTH as usize, HEIGHT)],
+    /// Of a whole frame, or of a band of quarters.
+    tones: [u32; TONE_WORDS],
+}
+
+/// Quarters a row, and from the first of a window of four rows to beyond its last.
+const QUARTERS: (usize, usize) = (2 * WIDTH as usize, 6 * WIDTH as usize + 4);
+
+pub(crate) const TONE_WORDS: usize = {
+    let frame = tone_words(WIDTH as usize, HEIGHT);
+    let band = quarter_words(QUARTERS.0);
+    if frame > band { frame } else { band }
+};
+
+/// Draws into a whole frame of words, in every mode.
+#[derive(Debug)]
+pub struct Frames<'a> {
+    /// The frame.
+    pub words: &'a mut Words,
+    /// What drawing a model needs beside.
+    pub memory: &'a mut Memory,
+}
+
+impl Painter for Frames<'_> {
+    fn model<C: Counter>(
+        &mut self,
+        model: &Model<'_>,
+        scene: &Scene,
+        watch: &mut Stopwatch<'_, C>,
+        give: Give<'_>,
+    ) -> Result<(), PaintError> {
+        model.draw(scene, self.words, self.memory, watch)?;
+        let pixels = usize::from(scene.camera.width) * usize::from(scene.camera.height);
+        let frame = self.words.get(..pixels).ok_or(ModelError::TooLarge)?;
+        Ok(watch.time(Phase::Send, || give(frame))?)
+    }
+
+    fn shapes<C: Counter>(
+        &mut self,
+        shapes: Shapes<'_>,
+        watch: &mut Stopwatch<'_, C>,
+        give: Give<'_>,
+    ) -> Result<(), ScreenError> {
+        watch.time(Phase::Draw, || draw_part(self.words, 0, shapes));
+        watch.time(Phase::Send, || give(self.words))
+    }
 }
 
 /// A frame of a byte a pixel, as wide as the panel.
-type PanelTones<'a> = Tones<'a, { WIDTH as usize }, { 3 * WIDTH as usize + 4 }>;
+pub(crate) type PanelTones<'a> = Tones<'a, { WIDTH as usize }, { 3 * WIDTH as usize + 4 }>;
+
+/// A band of quarters, as wide as the panel.
+pub(crate) type PanelQuarters<'a> = Tones<'a, { QUARTERS.0 }, { QUARTERS.1 }>;
 
 impl Memory {
     /// All zeros, so that a board's static costs no flash.
@@ -42,7 +92,7 @@ impl Memory {
             coverage: [0; EyeOrder::words(WIDTH, HEIGHT)],
             depth: [0; PIXELS],
             tone_table: ToneTable::empty(),
-            tones: [0; tone_words(WIDTH as usize, HEIGHT)],
+            tones: [0; TONE_WORDS],
         }
     }
 }
@@ -62,6 +112,8 @@ pub enum ModelError {
     Grid(u16),
     /// The camera is none.
     View(ViewError),
+    /// The program was built without this mode.
+    Mode,
     /// The frame is larger than the board's memory for it.
     TooLarge,
 }
@@ -72,6 +124,7 @@ impl fmt::Display for ModelError {
             Self::Blob(error) => error.fmt(f),
             Self::Grid(index) => write!(f, "the blob has no grid {index}"),
             Self::View(error) => error.fmt(f),
+            Self::Mode => f.write_str("this program draws by presets alone"),
             Self::TooLarge => f.write_str("the frame is larger than the memory for it"),
         }
     }
@@ -93,6 +146,12 @@ impl<'a> Model<'a> {
     pub fn check(flash: &'a [u8]) -> Result<Self, ModelError> {
         let blob = Blob::parse(flash).map_err(ModelError::Blob)?;
         Ok(Self { blob })
+    }
+
+    /// What was checked.
+    #[must_use]
+    pub fn blob(&self) -> &Blob<'a> {
+        &self.blob
     }
 
     /// Draws the scene into the first `width * height` words.
@@ -121,9 +180,37 @@ impl<'a> Model<'a> {
         } = scene;
         let blob = &self.blob;
         let grid = &blob.grid(mode.grid).ok_or(ModelError::Grid(mode.grid))?;
+        let quarters = match mode.frame {
+            FrameMode::Quarters => Some(camera.in_quarters().ok_or(ModelError::TooLarge)?),
+            FrameMode::Tones | FrameMode::Words => None,
+        };
+        let seen = quarters.as_ref().unwrap_or(camera);
         watch
-            .time(Phase::Setup, || view.prepare(camera, grid, mode.cell_size))
+            .time(Phase::Setup, || view.prepare(seen, grid, mode.cell_size))
             .map_err(ModelError::View)?;
+        if let Some(quarters) = quarters {
+            let blend = watch.time(Phase::ShadingTables, || {
+                tone_table.shade(grid.layout(), blob.materials().len(), *light);
+                Blend::new(&Palette::new(blob.materials(), BACKGROUND))
+            });
+            for rows in bands(camera.height) {
+                let first = usize::from(rows.start / 2) * usize::from(camera.width);
+                view.see_rows(rows.clone());
+                let mut band = watch
+                    .time(Phase::Clear, || {
+                        PanelQuarters::band(tones, quarters.width, rows)
+                    })
+                    .ok_or(ModelError::TooLarge)?;
+                watch.time(Phase::Draw, || {
+                    draw_seen(*mode, grid, view, tone_table, &mut band)
+                });
+                watch.time(Phase::Fill, || {
+                    let words = words.get_mut(first..).unwrap_or_default();
+                    blend.rows(&band, words, camera.width);
+                });
+            }
+            return Ok(());
+        }
         if mode.frame == FrameMode::Tones {
             watch.time(Phase::ShadingTables, || {
                 tone_table.shade(grid.layout(), blob.materials().len(), *light);

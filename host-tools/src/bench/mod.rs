@@ -160,11 +160,7 @@ impl Ready {
     /// Those of [`device::answer`], and what the device refuses.
     pub fn draw(&self, view: &View, plugin: Option<&Path>) -> Outcome<Run> {
         let camera = view.camera()?;
-        let mode = match self.row.way {
-            Way::Renderer { .. } => self.flags.mode(&self.model.blob()?, &camera)?,
-            // Peers have one.
-            Way::Points(_) | Way::Triangles(..) => Mode::default(),
-        };
+        let mode = self.mode(view)?;
         let request = Request::Model(Scene {
             camera,
             light: render::light(STANDARD_LIGHT),
@@ -184,6 +180,15 @@ impl Ready {
         })
     }
 
+    /// How a view is drawn.
+    fn mode(&self, view: &View) -> Outcome<Mode> {
+        match self.row.way {
+            Way::Renderer { .. } => self.flags.mode(&self.model.blob()?, &view.camera()?),
+            // Peers have one.
+            Way::Points(_) | Way::Triangles(..) => Ok(Mode::default()),
+        }
+    }
+
     /// Draws a view and compares it with the truth.
     ///
     /// # Errors
@@ -199,8 +204,17 @@ impl Ready {
             .map(|_| Profile::new(&self.firmware, &run))
             .transpose()?
             .map(|profile| profile.total(Phase::is_part_of_a_frame));
-        let (width, height) = (view.width.into(), view.height.into());
-        let picture = Picture::from_rgb565(width, height, &run.words);
+        let drawn = (run.report.width, run.report.height, run.words.as_slice());
+        let picture = match self.row.way {
+            Way::Renderer { .. } => {
+                let (blob, mode) = (self.model.blob()?, self.mode(view)?);
+                render::picture(drawn, &blob, view, STANDARD_LIGHT, mode)?
+            }
+            Way::Points(_) | Way::Triangles(..) => {
+                let (width, height, words) = drawn;
+                Picture::from_rgb565(width.into(), height.into(), words)
+            }
+        };
         Ok(Measured {
             phases: run.report.phases,
             work,

@@ -13,12 +13,14 @@ mod disc;
 pub mod footprint;
 mod order;
 mod project;
+mod quarters;
 mod stamp;
 mod tones;
 mod traverse;
 mod view;
 mod visibility;
 
+pub use quarters::{Blend, bands, quarter_words};
 pub use tones::{Tones, tone_words};
 pub use traverse::draw;
 pub use view::{View, ViewError};

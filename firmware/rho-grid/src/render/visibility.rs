@@ -77,6 +77,12 @@ pub trait Visibility {
         x as u32 & 0xFFFF | (y as u32) << 16
     }
 
+    /// Whether stamps are laid whose 4 x 4 pixels begin at this one, which may lie beyond the frame.
+    #[inline(always)]
+    fn holds(&self, _x: i32, _y: i32) -> bool {
+        true
+    }
+
     /// Draws a sample, where it shows, over the pixels that a mask of 4 x 4 names: bit `4 j + i` for
     /// the pixel i to the right of the stamp's first one and j below it. Bits from row `ROWS` on are
     /// 0; so are those of pixels beyond the frame.
@@ -89,6 +95,9 @@ pub trait Visibility {
     ) {
         let x = i32::from(stamp.corner as i16) + stamp.x as i32;
         let y = ((stamp.corner as i32) >> 16) + stamp.y as i32;
+        if !self.holds(x, y) {
+            return;
+        }
         if stamp.away {
             let middle = y + ROWS as i32 / 2;
             let open = |x: i32| {
