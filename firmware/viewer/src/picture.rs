@@ -1,26 +1,26 @@
-//! A model's picture into a frame.
+//! The picture of a model or a scene into a frame.
 
 use core::fmt;
 
 use rho_grid::blob::format::MAX_MATERIALS;
 use rho_grid::blob::{Blob, BlobError};
 use rho_grid::frame::Frame;
-use rho_grid::mode::FrameMode;
+use rho_grid::mode::{FrameMode, VisibilityMode};
 use rho_grid::render::{
-    Buffers, EyeOrder, Tones, View, ViewError, draw_mode, draw_seen, tone_words,
+    Buffers, Canvas, EyeOrder, Rect, Tones, View, ViewError, Visibility, ZBuffer, draw_seen,
+    tone_words,
 };
-use rho_grid::shading::{Palette, Shading, ToneTable};
+use rho_grid::scene::{Arrangement, Placed, Turn};
+use rho_grid::shading::{Palette, Shade, Shading, ToneTable};
 
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::request::Scene;
 use crate::size::{HEIGHT, PIXELS, WIDTH, Words};
 
-/// The background: black.
-const BACKGROUND: u16 = 0;
-
 /// What drawing needs beside the frame, for every mode and up to eight materials.
 #[derive(Debug)]
 pub struct Memory {
+    arrangement: Arrangement,
     view: View,
     colours: [u16; Shading::words(MAX_MATERIALS)],
     coverage: [u32; EyeOrder::words(WIDTH, HEIGHT)],
@@ -37,6 +37,7 @@ impl Memory {
     #[must_use]
     pub const fn new() -> Self {
         Self {
+            arrangement: Arrangement::empty(),
             view: View::empty(),
             colours: [0; Shading::words(MAX_MATERIALS)],
             coverage: [0; EyeOrder::words(WIDTH, HEIGHT)],
@@ -106,63 +107,189 @@ impl<'a> Model<'a> {
         memory: &mut Memory,
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<(), ModelError> {
+        let Scene { camera, mode, .. } = scene;
+        let blob = &self.blob;
+        if mode.fineness.is_none() && !blob.is_scene() && mode.grid >= blob.grid_count() {
+            return Err(ModelError::Grid(mode.grid));
+        }
+        let in_order = mode.visibility == VisibilityMode::Eye;
+        watch
+            .time(Phase::Setup, || {
+                memory.arrangement.arrange(blob, camera, in_order)
+            })
+            .map_err(ModelError::View)?;
+        match mode.frame {
+            FrameMode::Tones => self.tones(scene, words, memory, watch),
+            FrameMode::Words => self.words(scene, words, memory, watch),
+        }
+    }
+
+    /// Into a byte a pixel.
+    fn tones<C: Counter>(
+        &self,
+        scene: &Scene,
+        words: &mut Words,
+        memory: &mut Memory,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
         let Memory {
+            arrangement,
+            view,
+            depth,
+            tone_table,
+            tones,
+            ..
+        } = memory;
+        let (blob, camera) = (&self.blob, &scene.camera);
+        let materials = blob.materials().len();
+        let mut frame = watch
+            .time(Phase::Clear, || {
+                PanelTones::cleared(tones, camera.width, camera.height)
+            })
+            .ok_or(ModelError::TooLarge)?;
+        let mut reach = None;
+        for turn in arrangement.turns() {
+            let Some(placed) = self.placed(*turn, scene, view, watch)? else {
+                continue;
+            };
+            let light = placed.into_cube(scene.light);
+            let object = blob.object(placed.instance.object);
+            watch.time(Phase::ShadingTables, || {
+                let first = object.map_or(0, |object| object.first_material);
+                tone_table.shade_from(
+                    placed.grid.layout(),
+                    materials,
+                    placed.instance.material.unwrap_or(first),
+                    placed.instance.material.is_some(),
+                    light,
+                );
+            });
+            let unit = arrangement.unit();
+            let drawn = watch.time(Phase::Draw, || {
+                draw_turn(*turn, &placed, view, tone_table, unit, &mut frame, depth)
+            })?;
+            reach = match (reach, drawn) {
+                (Some(a), Some(b)) => Some(Rect::with(a, b)),
+                (a, b) => a.or(b),
+            };
+            // Holes are closed before what is behind shows through them.
+            if turn.is_last
+                && let Some(reach) = reach.take()
+            {
+                watch.time(Phase::Fill, || frame.fill(reach));
+            }
+        }
+        watch.time(Phase::Send, || {
+            let palette = Palette::new(blob.materials(), blob.background());
+            for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
+                *word = palette.colour(*tone);
+            }
+        });
+        Ok(())
+    }
+
+    /// Into RGB565 words.
+    fn words<C: Counter>(
+        &self,
+        scene: &Scene,
+        words: &mut Words,
+        memory: &mut Memory,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
+        let Memory {
+            arrangement,
             view,
             colours,
             coverage,
             depth,
-            tone_table,
-            tones,
+            ..
         } = memory;
-        let Scene {
-            camera,
-            light,
-            mode,
-        } = scene;
-        let blob = &self.blob;
-        let grid = &blob.grid(mode.grid).ok_or(ModelError::Grid(mode.grid))?;
-        watch
-            .time(Phase::Setup, || view.prepare(camera, grid, mode.cell_size))
-            .map_err(ModelError::View)?;
-        if mode.frame == FrameMode::Tones {
-            watch.time(Phase::ShadingTables, || {
-                tone_table.shade(grid.layout(), blob.materials().len(), *light);
-            });
-            let mut frame = watch
-                .time(Phase::Clear, || {
-                    PanelTones::cleared(tones, camera.width, camera.height)
-                })
-                .ok_or(ModelError::TooLarge)?;
-            let reach = watch.time(Phase::Draw, || {
-                draw_seen(*mode, grid, view, tone_table, &mut frame)
-            });
-            if let Some(reach) = reach {
-                watch.time(Phase::Fill, || frame.fill(reach));
-            }
-            watch.time(Phase::Send, || {
-                let palette = Palette::new(blob.materials(), BACKGROUND);
-                for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
-                    *word = palette.colour(*tone);
-                }
-            });
-            return Ok(());
-        }
-        let shading = watch
-            .time(Phase::ShadingTables, || {
-                Shading::new(colours, grid.layout(), blob.materials(), *light)
-            })
-            .ok_or(ModelError::TooLarge)?;
+        let (blob, camera, mode) = (&self.blob, &scene.camera, scene.mode);
         let mut frame =
             Frame::new(words, camera.width, camera.height).ok_or(ModelError::TooLarge)?;
-        let mut buffers = Buffers { coverage, depth };
         watch.time(Phase::Clear, || {
-            frame.clear_to(BACKGROUND);
-            buffers.clear(*mode);
+            frame.clear_to(blob.background());
+            Buffers { coverage, depth }.clear(mode);
         });
-        watch
-            .time(Phase::Draw, || {
-                draw_mode(*mode, grid, view, &shading, &mut frame, &mut buffers)
-            })
-            .map_err(|_| ModelError::TooLarge)
+        for turn in arrangement.turns() {
+            let Some(placed) = self.placed(*turn, scene, view, watch)? else {
+                continue;
+            };
+            let layout = placed.grid.layout();
+            let shading = watch
+                .time(Phase::ShadingTables, || {
+                    let lighting = placed.lighting(blob, scene.light);
+                    Shading::of_instance(colours, layout, blob, &placed.instance, &lighting)
+                })
+                .ok_or(ModelError::TooLarge)?;
+            let unit = arrangement.unit();
+            watch.time(Phase::Draw, || match mode.visibility {
+                VisibilityMode::Eye => {
+                    let mut target =
+                        EyeOrder::new(&mut frame, coverage).ok_or(ModelError::TooLarge)?;
+                    draw_turn(*turn, &placed, view, &shading, unit, &mut target, depth)
+                }
+                VisibilityMode::Z => {
+                    let target = ZBuffer::<_, false>::new(&mut frame, depth);
+                    let mut target = target.ok_or(ModelError::TooLarge)?;
+                    if let Some(unit) = unit {
+                        target = target.scaled(placed.depth_factor(view, unit));
+                    }
+                    Ok(draw_seen(
+                        placed.mode,
+                        &placed.grid,
+                        view,
+                        &shading,
+                        &mut target,
+                    ))
+                }
+            })?;
+        }
+        Ok(())
     }
+
+    /// The instance whose turn it is, and the tables of its view; `None` when it is too far away.
+    fn placed<C: Counter>(
+        &self,
+        turn: Turn,
+        scene: &Scene,
+        view: &mut View,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<Option<Placed<'a>>, ModelError> {
+        watch.time(Phase::Setup, || {
+            let placed = Placed::new(&self.blob, turn.instance, &scene.camera, scene.mode);
+            if let Some(placed) = &placed {
+                view.prepare(&placed.camera, &placed.grid, scene.mode.cell_size)
+                    .map_err(ModelError::View)?;
+            }
+            Ok(placed)
+        })
+    }
+}
+
+/// Draws an instance in its turn; returns the pixels that it may reach.
+fn draw_turn<V: Visibility + Canvas>(
+    turn: Turn,
+    placed: &Placed<'_>,
+    view: &View,
+    shading: &impl Shade,
+    unit: Option<u32>,
+    target: &mut V,
+    depth: &mut [u16],
+) -> Result<Option<Rect>, ModelError> {
+    let Some(unit) = unit.filter(|_| turn.is_tangled) else {
+        return Ok(draw_seen(placed.mode, &placed.grid, view, shading, target));
+    };
+    if turn.is_first {
+        target.depths(depth);
+    }
+    let target = ZBuffer::<_, true>::new(target, depth).ok_or(ModelError::TooLarge)?;
+    let mut target = target.scaled(placed.depth_factor(view, unit));
+    Ok(draw_seen(
+        placed.mode,
+        &placed.grid,
+        view,
+        shading,
+        &mut target,
+    ))
 }

@@ -15,7 +15,6 @@ use crate::failure::{Failure, Outcome};
 use crate::firmware::Firmware;
 use crate::machine::Machine;
 use crate::picture::Picture;
-use crate::render;
 use crate::view::ViewArgs;
 
 const EXAMPLES: &str = "\
@@ -88,7 +87,8 @@ impl RunArgs {
     /// # Errors
     /// See [`device::run`]; and when a file cannot be read or written.
     pub fn run(&self) -> Outcome {
-        let camera = self.view.view().camera()?;
+        // Before a model is read: a wrong flag should not cost a second.
+        self.view.view().camera()?;
         let mut baked = String::new();
         let file = self.model.as_deref().map(BlobFile::read).transpose()?;
         // The device checks it again; here a broken one is told with what to do.
@@ -101,13 +101,14 @@ impl RunArgs {
                     .help("name a baked one, or draw the test card: --picture test-card"));
             }
             (Subject::Model, Some(blob)) => {
+                let camera = self.view.camera(Some(blob))?;
                 let mode = self.mode.mode(blob, &camera)?;
                 if let Some(warning) = ModeArgs::warning(mode, blob) {
                     eprintln!("warning: {warning}");
                 }
                 Request::Model(Scene {
                     camera,
-                    light: render::light(self.view.light()),
+                    light: self.view.towards(Some(blob)),
                     mode,
                 })
             }
