@@ -7,7 +7,6 @@ use host_tools::blob_file::BlobFile;
 use host_tools::compare::{Comparison, Depths, compare};
 use host_tools::depth::Depth;
 use host_tools::device::Run;
-use host_tools::picture::Picture;
 use host_tools::reference::{Caster, Shot, Truth};
 use host_tools::render::{self, Drawn};
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};

@@ -80,21 +80,12 @@ impl Preset {
     /// How this preset draws `blob` as `camera` sees it.
     #[must_use]
     pub fn mode(self, blob: &Blob<'_>, camera: &Camera) -> Mode {
-        let cells = self.cells(camera);
-        let fitting = |grid: &Grid<'_>| {
-            let here = grid.cells(grid.subdivisions());
-            // The coarsest that is fine enough, else the finest.
-            (here < cells, here.abs_diff(cells))
-        };
-        let (index, grid) = blob
-            .grids()
-            .enumerate()
-            .min_by_key(|(_, grid)| fitting(grid))
-            .unzip();
-        let discs = grid.is_none_or(|grid| grid.layout().offset > 0);
+        let index = self.choose(blob.grids(), camera);
+        let discs = blob.grid(index).is_none_or(|grid| grid.layout().offset > 0);
         Mode {
             visibility: VisibilityMode::Eye,
-            footprint: if discs {
+            // Of a scene, grids without offsets are drawn in boxes, one by one.
+            footprint: if discs || blob.is_scene() {
                 FootprintMode::Disc
             } else {
                 FootprintMode::Box
@@ -104,13 +95,29 @@ impl Preset {
                 Self::Finest => FrameMode::Quarters,
                 _ => FrameMode::Tones,
             },
-            grid: index.unwrap_or(0) as u16,
+            grid: if blob.is_scene() { 0 } else { index },
+            fineness: blob.is_scene().then_some(self),
             ..Mode::default()
         }
     }
 
+    /// The number, among `grids`, of the coarsest that is fine enough for a cube at the origin as
+    /// `camera` sees it, else of the finest; 0 when there are none.
+    #[must_use]
+    pub fn choose<'a>(self, grids: impl Iterator<Item = Grid<'a>>, camera: &Camera) -> u16 {
+        let cells = self.cells(camera);
+        let fitting = |grid: &Grid<'_>| {
+            let here = grid.cells(grid.subdivisions());
+            // The coarsest that is fine enough, else the finest.
+            (here < cells, here.abs_diff(cells))
+        };
+        let best = grids.enumerate().min_by_key(|(_, grid)| fitting(grid));
+        best.map_or(0, |(index, _)| index as u16)
+    }
+
     /// Cells an axis, rounded up, that a cube at the origin should have.
-    fn cells(self, camera: &Camera) -> u32 {
+    #[must_use]
+    pub fn cells(self, camera: &Camera) -> u32 {
         let [_, _, z] = camera.translation;
         // Q20, at least half a cube's side away.
         let distance = u64::from(z.to_bits().unsigned_abs()).max(1 << 19);
@@ -133,8 +140,11 @@ pub struct Mode {
     pub reciprocal: ReciprocalMode,
     /// What the frame is kept in.
     pub frame: FrameMode,
-    /// Which of the blob's grids is drawn.
+    /// Which of the blob's grids is drawn; of each object of a scene its own, or its last one.
     pub grid: u16,
+    /// Each instance of a scene is drawn in the grid that this chooses by its size on the screen;
+    /// in [`Self::grid`] if none.
+    pub fineness: Option<Preset>,
     /// A cell whose projection is at most this large is drawn from its own sample, its
     /// subcells are not visited.
     pub cell_size: PixelSize,
@@ -148,6 +158,7 @@ impl Default for Mode {
             reciprocal: ReciprocalMode::Divide,
             frame: FrameMode::Words,
             grid: 0,
+            fineness: None,
             cell_size: PixelSize::from_bits(128),
         }
     }

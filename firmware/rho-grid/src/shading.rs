@@ -1,9 +1,12 @@
 //! Shading before drawing: one colour a normal and material (paper, section 5.5).
 //!
-//! The light is directional and the eye's place does not enter, so a sample's colour depends on
-//! its attribute word alone: one look-up while drawing.
+//! Lights are directional and the eye's place enters by one direction an instance
+//! ([`crate::lighting`]), so a sample's colour depends on its attribute word alone: one look-up while
+//! drawing.
 
-use crate::blob::{Layout, Material};
+use crate::blob::format::MAX_MATERIALS;
+use crate::blob::{Blob, Instance, Layout, Material};
+use crate::lighting::{self, Lighting};
 use crate::normal::{BITS, COUNT, FACES, OCTANT};
 use crate::q::Unit;
 
@@ -39,32 +42,27 @@ impl<'a> Shading<'a> {
         materials * COUNT
     }
 
-    /// Shades every normal under every material with one light; `None` when the table is too
-    /// small.
+    /// Shades every normal under every material; `None` when the table is too small.
     ///
-    /// `towards` is a unit vector to the light in the grid's own axes. A channel is
-    /// `ambient + diffuse * max(0, n.l)`, clipped at 1 and rounded to the nearest of 32 or 64
-    /// levels.
+    /// Channels are rounded to the nearest of 32 or 64 levels.
     #[must_use]
     pub fn new(
         table: &'a mut [u16],
         layout: Layout,
         materials: impl ExactSizeIterator<Item = Material>,
-        towards: [Unit; 3],
+        lighting: &Lighting,
     ) -> Option<Self> {
         let words = Self::words(materials.len());
         let table = table.get_mut(..words)?;
-        let [lx, ly, lz] = towards.map(|c| i32::from(c.to_bits()));
         for (material, colours) in materials.zip(table.chunks_exact_mut(COUNT)) {
+            let surface = lighting.on(&material);
             for (octant, colours) in colours.chunks_exact_mut(OCTANT).enumerate() {
-                let sign = |bit: usize, v: i32| if octant & bit == 0 { v } else { -v };
-                let (lx, ly, lz) = (sign(4, lx), sign(2, ly), sign(1, lz));
+                let sign = |bit: usize, v: i16| {
+                    let v = i32::from(v);
+                    if octant & bit == 0 { v } else { -v }
+                };
                 for (colour, [x, y, z]) in colours.iter_mut().zip(&FACES) {
-                    // Q28; of two unit vectors, so the sum stays within +-2^28 (1 + 2^-12).
-                    let dot = i32::from(*x) * lx + i32::from(*y) * ly + i32::from(*z) * lz;
-                    // Q15, 0 to 1.
-                    let lit = (dot.max(0) >> 13) as u32;
-                    *colour = shade(&material, lit.min(1 << 15));
+                    *colour = surface.rgb565([sign(4, *x), sign(2, *y), sign(1, *z)]);
                 }
             }
         }
@@ -73,6 +71,29 @@ impl<'a> Shading<'a> {
             under_normal: u32::from(layout.offset + layout.material) & 31,
             material: layout.material_of(u32::MAX),
         })
+    }
+
+    /// The same for an instance of `blob` in a grid of this layout.
+    #[must_use]
+    pub fn of_instance(
+        table: &'a mut [u16],
+        layout: Layout,
+        blob: &Blob<'_>,
+        instance: &Instance,
+        lighting: &Lighting,
+    ) -> Option<Self> {
+        let (first, count) = blob.materials_of(instance)?;
+        let mut materials = [Material::default(); MAX_MATERIALS];
+        for (slot, index) in materials.iter_mut().zip(first..) {
+            *slot = blob.material(index).unwrap_or_default();
+        }
+        let materials = materials.into_iter().take(count.into());
+        let mut shading = Self::new(table, layout, materials, lighting)?;
+        if count == 1 {
+            // Whatever its samples name.
+            shading.material = 0;
+        }
+        Some(shading)
     }
 }
 
@@ -102,6 +123,8 @@ pub struct ToneTable {
     tones: [u8; COUNT],
     /// From a material's tones to the next one's.
     per_material: u32,
+    /// Of the first material.
+    first: u16,
     under_normal: u32,
     material: u32,
 }
@@ -113,6 +136,7 @@ impl ToneTable {
         Self {
             tones: [0; COUNT],
             per_material: 0,
+            first: 0,
             under_normal: 0,
             material: 0,
         }
@@ -122,10 +146,24 @@ impl ToneTable {
     ///
     /// Of two opposite normals one faces away from the light, so four sums shade eight normals.
     pub fn shade(&mut self, layout: Layout, materials: usize, towards: [Unit; 3]) {
+        self.shade_from(layout, materials, 0, false, towards);
+    }
+
+    /// The same for samples whose material 0 is the palette's `first`; `one` material for all of them
+    /// if asked.
+    pub fn shade_from(
+        &mut self,
+        layout: Layout,
+        materials: usize,
+        first: u16,
+        one: bool,
+        towards: [Unit; 3],
+    ) {
         let steps = steps(materials) as i32;
         self.per_material = 2 * steps as u32;
+        self.first = self.per_material as u16 * first;
         self.under_normal = u32::from(layout.offset + layout.material) & 15;
-        self.material = layout.material_of(u32::MAX);
+        self.material = if one { 0 } else { layout.material_of(u32::MAX) };
         // The brightest step at 2^8; with a normal's 2^14, a step is 2^22.
         let [lx, ly, lz] = towards.map(|c| (i32::from(c.to_bits()) * (steps - 1)) >> 6);
         let (front, opposite) = self.tones.split_at_mut(COUNT / 2);
@@ -160,7 +198,7 @@ impl ToneTable {
 impl Shade for ToneTable {
     #[cfg(rho_thumb)]
     fn tones(&self) -> Option<&[u8; COUNT]> {
-        Some(&self.tones)
+        (self.first == 0).then_some(&self.tones)
     }
 
     /// A tone.
@@ -173,7 +211,7 @@ impl Shade for ToneTable {
     #[inline(always)]
     fn of_normal(&self, index: u32) -> u16 {
         let tone = self.tones.get(index as usize % COUNT);
-        tone.copied().unwrap_or(0).into()
+        u16::from(tone.copied().unwrap_or(0)) + self.first
     }
 }
 
@@ -193,6 +231,16 @@ pub struct Addend(u32);
 impl Addend {
     fn new([red, green, blue]: [u32; 3]) -> Self {
         Self(red << 20 | green << 10 | blue)
+    }
+
+    /// Of red, green, blue of Q15, 0 to 1.
+    fn of_channels([red, green, blue]: [u32; 3]) -> Self {
+        let channel = |value: u32, levels: u32| (value * levels + (1 << 14)) >> 15;
+        Self::new([
+            channel(red, 31 * 8),
+            channel(green, 63 * 4),
+            channel(blue, 31 * 8),
+        ])
     }
 
     /// Of a colour without fractions.
@@ -235,7 +283,7 @@ impl Palette {
             for (step, (colour, addend)) in colours.iter_mut().zip(addends).enumerate() {
                 let lit = ((step << 15) / (steps - 1)) as u32;
                 *colour = shade(&material, lit);
-                *addend = Addend::new(levels(&material, lit, [31 * 8, 63 * 4, 31 * 8]));
+                *addend = Addend::of_channels(lit_by_one(&material, lit));
             }
         }
         Self {
@@ -264,25 +312,19 @@ impl Palette {
     }
 }
 
-/// The colour under `lit` = max(0, n.l) (32768 = 1), RGB565, channels rounded to nearest.
-#[inline(always)]
+/// The colour under `lit` = max(0, n.l) of one white light (32768 = 1), RGB565.
 fn shade(material: &Material, lit: u32) -> u16 {
-    let [red, green, blue] = levels(material, lit, [31, 63, 31]);
-    (red << 11 | green << 5 | blue) as u16
+    lighting::rgb565(lit_by_one(material, lit))
 }
 
-/// Red, green and blue under `lit`, rounded to the nearest of so many levels above 0.
-#[inline(always)]
-fn levels(material: &Material, lit: u32, levels: [u32; 3]) -> [u32; 3] {
-    let Material {
-        ambient, diffuse, ..
-    } = *material;
-    let channel = |ambient: u16, diffuse: u16, levels: u32| {
+/// Red, green, blue of Q15, 0 to 1, under `lit` of one white light.
+fn lit_by_one(material: &Material, lit: u32) -> [u32; 3] {
+    let channel = |ambient: u16, diffuse: u16| {
         let value = u32::from(ambient) + ((u32::from(diffuse) * lit + (1 << 14)) >> 15);
-        (value.min(1 << 15) * levels + (1 << 14)) >> 15
+        value.min(1 << 15)
     };
-    let ([a, b, c], [d, e, f], [r, g, bl]) = (ambient, diffuse, levels);
-    [channel(a, d, r), channel(b, e, g), channel(c, f, bl)]
+    let ([ar, ag, ab], [dr, dg, db]) = (material.ambient, material.diffuse);
+    [channel(ar, dr), channel(ag, dg), channel(ab, db)]
 }
 
 #[cfg(test)]
@@ -305,8 +347,13 @@ mod tests {
         let light = light.map(|v| v / length);
         let towards = light.map(|v| Unit::from_bits((v * 16384.0).round() as i16));
         let mut table = vec![0; Shading::words(1)];
-        let shading =
-            Shading::new(&mut table, Layout::MATERIAL, [WHITE].into_iter(), towards).unwrap();
+        let shading = Shading::new(
+            &mut table,
+            Layout::MATERIAL,
+            [WHITE].into_iter(),
+            &Lighting::white(towards),
+        )
+        .unwrap();
         for index in 0..COUNT as u32 {
             let n = crate::normal::normal(index).map(|c| f64::from(c.to_bits()) / 16384.0);
             let dot: f64 = (0..3).map(|k| n[k] * light[k]).sum();
@@ -357,6 +404,14 @@ mod tests {
     fn a_table_too_small_is_refused() {
         let mut table = [0; 100];
         let towards = [Unit::ZERO; 3];
-        assert!(Shading::new(&mut table, Layout::MATERIAL, [WHITE].into_iter(), towards).is_none());
+        assert!(
+            Shading::new(
+                &mut table,
+                Layout::MATERIAL,
+                [WHITE].into_iter(),
+                &Lighting::white(towards)
+            )
+            .is_none()
+        );
     }
 }

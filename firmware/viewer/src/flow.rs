@@ -294,7 +294,7 @@ mod tests {
     fn an_empty_flash_is_told() {
         let scene = "picture=model rotation=1;0;0;0;1;0;0;0;1 translation=0;0;0 focal=9 \
                      size=240;320 light=0;0;1 visibility=eye footprint=box reciprocal=divide \
-                     frame=words grid=0 cell_size=128";
+                     frame=words grid=0 fineness=none cell_size=128";
         let (report, _) = asked(scene, false);
         assert_eq!(report.exit, Exit::Model);
         assert!(report.message.contains("no blob"), "{}", report.message);

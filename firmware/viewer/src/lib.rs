@@ -22,6 +22,7 @@ extern crate std;
 
 pub mod count;
 pub mod flow;
+mod instances;
 pub mod message;
 pub mod painter;
 pub mod panel;

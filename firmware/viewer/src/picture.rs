@@ -1,29 +1,29 @@
-//! A model's picture into a frame.
+//! The picture of a model or a scene into a frame.
 
 use core::fmt;
 
 use rho_grid::blob::format::MAX_MATERIALS;
 use rho_grid::blob::{Blob, BlobError};
 use rho_grid::frame::Frame;
-use rho_grid::mode::FrameMode;
+use rho_grid::mode::{FrameMode, VisibilityMode};
 use rho_grid::render::{
-    Blend, Buffers, EyeOrder, Tones, View, ViewError, bands, draw_mode, draw_seen, quarter_words,
+    Blend, Buffers, EyeOrder, Tones, View, ViewError, ZBuffer, bands, draw_seen, quarter_words,
     tone_words,
 };
+use rho_grid::scene::Arrangement;
 use rho_grid::shading::{Palette, Shading, ToneTable};
 
 use crate::count::{Counter, Phase, Stopwatch};
+use crate::instances::{Every, Instances, draw_turn, place};
 use crate::painter::{Give, PaintError, Painter, Shapes, draw_part};
 use crate::panel::ScreenError;
 use crate::request::Scene;
 use crate::size::{HEIGHT, PIXELS, WIDTH, Words};
 
-/// The background: black.
-pub(crate) const BACKGROUND: u16 = 0;
-
 /// What drawing needs beside the frame, for every mode and up to eight materials.
 #[derive(Debug)]
 pub struct Memory {
+    arrangement: Arrangement,
     view: View,
     colours: [u16; Shading::words(MAX_MATERIALS)],
     coverage: [u32; EyeOrder::words(WIDTH, HEIGHT)],
@@ -87,6 +87,7 @@ impl Memory {
     #[must_use]
     pub const fn new() -> Self {
         Self {
+            arrangement: Arrangement::empty(),
             view: View::empty(),
             colours: [0; Shading::words(MAX_MATERIALS)],
             coverage: [0; EyeOrder::words(WIDTH, HEIGHT)],
@@ -94,6 +95,26 @@ impl Memory {
             tone_table: ToneTable::empty(),
             tones: [0; TONE_WORDS],
         }
+    }
+}
+
+impl Memory {
+    /// What drawing instances into tones takes, and the memory of the tones.
+    fn instances<'a, 'g>(
+        &'a mut self,
+        blob: &'a Blob<'g>,
+        scene: &'a Scene,
+    ) -> (Instances<'a, 'g>, &'a mut [u32]) {
+        let instances = Instances {
+            blob,
+            scene,
+            arrangement: &self.arrangement,
+            view: &mut self.view,
+            tone_table: &mut self.tone_table,
+            depth: &mut self.depth,
+            prepared: None,
+        };
+        (instances, &mut self.tones)
     }
 }
 
@@ -154,6 +175,27 @@ impl<'a> Model<'a> {
         &self.blob
     }
 
+    /// Finds what the scene shows, and in which order.
+    ///
+    /// # Errors
+    /// When there is no such grid, or the camera is none.
+    pub(crate) fn arrange<C: Counter>(
+        &self,
+        scene: &Scene,
+        arrangement: &mut Arrangement,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
+        let Scene { camera, mode, .. } = scene;
+        let blob = &self.blob;
+        if mode.fineness.is_none() && !blob.is_scene() && mode.grid >= blob.grid_count() {
+            return Err(ModelError::Grid(mode.grid));
+        }
+        let in_order = mode.visibility == VisibilityMode::Eye;
+        watch
+            .time(Phase::Setup, || arrangement.arrange(blob, camera, in_order))
+            .map_err(ModelError::View)
+    }
+
     /// Draws the scene into the first `width * height` words.
     ///
     /// # Errors
@@ -165,91 +207,123 @@ impl<'a> Model<'a> {
         memory: &mut Memory,
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<(), ModelError> {
+        self.arrange(scene, &mut memory.arrangement, watch)?;
+        match scene.mode.frame {
+            FrameMode::Words => self.words(scene, words, memory, watch),
+            FrameMode::Tones => self.tones(scene, words, memory, watch),
+            FrameMode::Quarters => self.quarters(scene, words, memory, watch),
+        }
+    }
+
+    /// Into a byte a pixel.
+    fn tones<C: Counter>(
+        &self,
+        scene: &Scene,
+        words: &mut Words,
+        memory: &mut Memory,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
+        let camera = &scene.camera;
+        let (mut instances, tones) = memory.instances(&self.blob, scene);
+        let mut frame = watch
+            .time(Phase::Clear, || {
+                PanelTones::cleared(tones, camera.width, camera.height)
+            })
+            .ok_or(ModelError::TooLarge)?;
+        instances.draw::<Every, _, _, _>(&mut frame, None, watch)?;
+        watch.time(Phase::Send, || {
+            let palette = Palette::new(self.blob.materials(), self.blob.background());
+            for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
+                *word = palette.colour(*tone);
+            }
+        });
+        Ok(())
+    }
+
+    /// Into a byte a quarter of a pixel, blended.
+    fn quarters<C: Counter>(
+        &self,
+        scene: &Scene,
+        words: &mut Words,
+        memory: &mut Memory,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
+        let camera = &scene.camera;
+        let (mut instances, tones) = memory.instances(&self.blob, scene);
+        let blend = watch.time(Phase::ShadingTables, || {
+            Blend::new(&Palette::new(self.blob.materials(), self.blob.background()))
+        });
+        for rows in bands(camera.height) {
+            let first = usize::from(rows.start / 2) * usize::from(camera.width);
+            let words = words.get_mut(first..).unwrap_or_default();
+            let mut band = watch
+                .time(Phase::Clear, || {
+                    PanelQuarters::band(tones, 2 * camera.width, rows.clone())
+                })
+                .ok_or(ModelError::TooLarge)?;
+            instances.draw::<Every, _, _, _>(&mut band, Some(&rows), watch)?;
+            watch.time(Phase::Fill, || blend.rows(&band, words, camera.width));
+        }
+        Ok(())
+    }
+
+    /// Into RGB565 words.
+    fn words<C: Counter>(
+        &self,
+        scene: &Scene,
+        words: &mut Words,
+        memory: &mut Memory,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
         let Memory {
+            arrangement,
             view,
             colours,
             coverage,
             depth,
-            tone_table,
-            tones,
+            ..
         } = memory;
-        let Scene {
-            camera,
-            light,
-            mode,
-        } = scene;
-        let blob = &self.blob;
-        let grid = &blob.grid(mode.grid).ok_or(ModelError::Grid(mode.grid))?;
-        let quarters = match mode.frame {
-            FrameMode::Quarters => Some(camera.in_quarters().ok_or(ModelError::TooLarge)?),
-            FrameMode::Tones | FrameMode::Words => None,
-        };
-        let seen = quarters.as_ref().unwrap_or(camera);
-        watch
-            .time(Phase::Setup, || view.prepare(seen, grid, mode.cell_size))
-            .map_err(ModelError::View)?;
-        if let Some(quarters) = quarters {
-            let blend = watch.time(Phase::ShadingTables, || {
-                tone_table.shade(grid.layout(), blob.materials().len(), *light);
-                Blend::new(&Palette::new(blob.materials(), BACKGROUND))
-            });
-            for rows in bands(camera.height) {
-                let first = usize::from(rows.start / 2) * usize::from(camera.width);
-                view.see_rows(rows.clone());
-                let mut band = watch
-                    .time(Phase::Clear, || {
-                        PanelQuarters::band(tones, quarters.width, rows)
-                    })
-                    .ok_or(ModelError::TooLarge)?;
-                watch.time(Phase::Draw, || {
-                    draw_seen(*mode, grid, view, tone_table, &mut band)
-                });
-                watch.time(Phase::Fill, || {
-                    let words = words.get_mut(first..).unwrap_or_default();
-                    blend.rows(&band, words, camera.width);
-                });
-            }
-            return Ok(());
-        }
-        if mode.frame == FrameMode::Tones {
-            watch.time(Phase::ShadingTables, || {
-                tone_table.shade(grid.layout(), blob.materials().len(), *light);
-            });
-            let mut frame = watch
-                .time(Phase::Clear, || {
-                    PanelTones::cleared(tones, camera.width, camera.height)
-                })
-                .ok_or(ModelError::TooLarge)?;
-            let reach = watch.time(Phase::Draw, || {
-                draw_seen(*mode, grid, view, tone_table, &mut frame)
-            });
-            if let Some(reach) = reach {
-                watch.time(Phase::Fill, || frame.fill(reach));
-            }
-            watch.time(Phase::Send, || {
-                let palette = Palette::new(blob.materials(), BACKGROUND);
-                for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
-                    *word = palette.colour(*tone);
-                }
-            });
-            return Ok(());
-        }
-        let shading = watch
-            .time(Phase::ShadingTables, || {
-                Shading::new(colours, grid.layout(), blob.materials(), *light)
-            })
-            .ok_or(ModelError::TooLarge)?;
+        let (blob, camera, mode) = (&self.blob, &scene.camera, scene.mode);
         let mut frame =
             Frame::new(words, camera.width, camera.height).ok_or(ModelError::TooLarge)?;
-        let mut buffers = Buffers { coverage, depth };
         watch.time(Phase::Clear, || {
-            frame.clear_to(BACKGROUND);
-            buffers.clear(*mode);
+            frame.clear_to(blob.background());
+            Buffers { coverage, depth }.clear(mode);
         });
-        watch
-            .time(Phase::Draw, || {
-                draw_mode(*mode, grid, view, &shading, &mut frame, &mut buffers)
-            })
-            .map_err(|_| ModelError::TooLarge)
+        for turn in arrangement.turns() {
+            let Some(placed) = place(blob, *turn, scene, view, watch)? else {
+                continue;
+            };
+            let layout = placed.grid.layout();
+            let shading = watch
+                .time(Phase::ShadingTables, || {
+                    let lighting = placed.lighting(blob, scene.light);
+                    Shading::of_instance(colours, layout, blob, &placed.instance, &lighting)
+                })
+                .ok_or(ModelError::TooLarge)?;
+            let unit = arrangement.unit();
+            watch.time(Phase::Draw, || match mode.visibility {
+                VisibilityMode::Eye => {
+                    let mut target =
+                        EyeOrder::new(&mut frame, coverage).ok_or(ModelError::TooLarge)?;
+                    draw_turn::<Every, _>(*turn, &placed, view, &shading, unit, &mut target, depth)
+                }
+                VisibilityMode::Z => {
+                    let target = ZBuffer::<_, false>::new(&mut frame, depth);
+                    let mut target = target.ok_or(ModelError::TooLarge)?;
+                    if let Some(unit) = unit {
+                        target = target.scaled(placed.depth_factor(view, unit));
+                    }
+                    Ok(draw_seen(
+                        placed.mode,
+                        &placed.grid,
+                        view,
+                        &shading,
+                        &mut target,
+                    ))
+                }
+            })?;
+        }
+        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! picture=model rotation=1073741824;0;0;0;1073741824;0;0;0;1073741824
 //!   translation=0;0;-2399456 focal=1582163 size=240;320 light=6521;9781;11412
-//!   visibility=eye footprint=box reciprocal=divide cell_size=128
+//!   visibility=eye footprint=box reciprocal=divide frame=words grid=0 fineness=none cell_size=128
 //! ```
 //!
 //! (broken here for the page; blanks separate the parts). A number is the integer of its Q
@@ -17,7 +17,7 @@ use core::num::IntErrorKind;
 
 use heapless::String;
 use rho_grid::camera::Camera;
-use rho_grid::mode::{Mode, UnknownName};
+use rho_grid::mode::{Mode, Preset, UnknownName};
 use rho_grid::q::{Focal, Length, PixelSize, Rotation, Unit};
 
 /// The longest line: every number at its longest is 305 bytes.
@@ -118,10 +118,11 @@ enum Key {
     Reciprocal,
     Frame,
     Grid,
+    Fineness,
     CellSize,
 }
 
-const KEYS: [&str; 12] = [
+const KEYS: [&str; 13] = [
     "picture",
     "rotation",
     "translation",
@@ -133,6 +134,7 @@ const KEYS: [&str; 12] = [
     "reciprocal",
     "frame",
     "grid",
+    "fineness",
     "cell_size",
 ];
 
@@ -199,6 +201,18 @@ impl<'a> Parts<'a> {
                 key: KEYS[key as usize],
                 expected: e.expected,
             })
+    }
+
+    /// The same, or the word `none`.
+    fn choice_or_none<T: core::str::FromStr<Err = UnknownName>>(
+        &mut self,
+        key: Key,
+    ) -> Result<Option<T>, RequestError> {
+        if self.0[key as usize] == Some("none") {
+            self.0[key as usize] = None;
+            return Ok(None);
+        }
+        self.choice(key).map(Some)
     }
 
     fn nothing_left(&self) -> Result<(), RequestError> {
@@ -323,6 +337,7 @@ impl Scene {
                     let [index] = parts.numbers(Key::Grid, 0, u16::MAX.into())?;
                     narrow!(index, u16, "grid")?
                 },
+                fineness: parts.choice_or_none(Key::Fineness)?,
                 cell_size: {
                     let [bits] = parts.numbers(Key::CellSize, 0, u16::MAX.into())?;
                     PixelSize::from_bits(narrow!(bits, u16, "cell_size")?)
@@ -361,7 +376,7 @@ impl fmt::Display for Request {
         write!(
             f,
             " rotation={} translation={} focal={} size={};{} light={} visibility={} footprint={} \
-             reciprocal={} frame={} grid={} cell_size={}",
+             reciprocal={} frame={} grid={} fineness={} cell_size={}",
             List(
                 camera
                     .rotation
@@ -378,6 +393,7 @@ impl fmt::Display for Request {
             mode.reciprocal,
             mode.frame,
             mode.grid,
+            mode.fineness.map_or("none", Preset::name),
             mode.cell_size.to_bits(),
         )
     }
@@ -404,28 +420,32 @@ mod tests {
                 proptest::sample::select(ReciprocalMode::ALL),
                 proptest::sample::select(FrameMode::ALL),
                 any::<u16>(),
+                proptest::option::of(proptest::sample::select(Preset::ALL)),
                 any::<u16>(),
             ),
         )
             .prop_map(
-                |(r, t, focal, (width, height), light, (v, f, d, frame, grid, cell))| Scene {
-                    camera: Camera {
-                        rotation: [[r[0], r[1], r[2]], [r[3], r[4], r[5]], [r[6], r[7], r[8]]]
-                            .map(|row| row.map(Rotation::from_bits)),
-                        translation: t.map(Length::from_bits),
-                        focal: Focal::from_bits(focal),
-                        width,
-                        height,
-                    },
-                    light: light.map(Unit::from_bits),
-                    mode: Mode {
-                        visibility: v,
-                        footprint: f,
-                        reciprocal: d,
-                        frame,
-                        grid,
-                        cell_size: PixelSize::from_bits(cell),
-                    },
+                |(r, t, focal, (width, height), light, (v, f, d, frame, grid, fineness, cell))| {
+                    Scene {
+                        camera: Camera {
+                            rotation: [[r[0], r[1], r[2]], [r[3], r[4], r[5]], [r[6], r[7], r[8]]]
+                                .map(|row| row.map(Rotation::from_bits)),
+                            translation: t.map(Length::from_bits),
+                            focal: Focal::from_bits(focal),
+                            width,
+                            height,
+                        },
+                        light: light.map(Unit::from_bits),
+                        mode: Mode {
+                            visibility: v,
+                            footprint: f,
+                            reciprocal: d,
+                            frame,
+                            grid,
+                            fineness,
+                            cell_size: PixelSize::from_bits(cell),
+                        },
+                    }
                 },
             )
     }
@@ -442,6 +462,8 @@ mod tests {
             light: [Unit::from_bits(-(1 << 14)); 3],
             mode: Mode {
                 footprint: FootprintMode::Splat,
+                grid: u16::MAX,
+                fineness: Some(Preset::Balanced),
                 cell_size: PixelSize::MAX,
                 ..Mode::default()
             },

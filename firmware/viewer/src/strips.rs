@@ -1,19 +1,19 @@
 //! Pictures by the presets, in little memory: a byte a pixel, sent strip by strip.
 //!
 //! A frame of tones is half as large as one of colours, and a band of quarters a quarter of that; their
-//! colours are looked up as they are sent, [`STRIP`] rows at a time, so that no frame of colours is
-//! ever whole. What it draws is what [`Frames`](crate::picture::Frames) draws by the same presets.
+//! colours are looked up as they are sent, a strip of rows at a time, so that no frame of colours is
+//! ever whole. Objects that reach into each other need depths, for which it has no room. What it draws is what [`Frames`](crate::picture::Frames) draws by the same presets.
 
 use rho_grid::mode::{FootprintMode, FrameMode, Mode, ReciprocalMode, VisibilityMode};
-use rho_grid::reciprocal::Divide;
-use rho_grid::render::footprint::{Disc, PixelCentre};
-use rho_grid::render::{Blend, Rect, View, Visibility, bands, draw};
+use rho_grid::render::{Blend, View, bands};
+use rho_grid::scene::Arrangement;
 use rho_grid::shading::{Palette, ToneTable};
 
 use crate::count::{Counter, Phase, Stopwatch};
+use crate::instances::{Instances, Preset};
 use crate::painter::{Give, PaintError, Painter, Shapes, draw_part};
 use crate::panel::ScreenError;
-use crate::picture::{BACKGROUND, Model, ModelError, PanelQuarters, PanelTones, TONE_WORDS};
+use crate::picture::{Model, ModelError, PanelQuarters, PanelTones, TONE_WORDS};
 use crate::request::Scene;
 use crate::size::{HEIGHT, WIDTH};
 
@@ -23,6 +23,7 @@ const STRIP: u16 = 40;
 /// The memory of a painter in strips.
 #[derive(Debug)]
 pub struct Strips {
+    arrangement: Arrangement,
     view: View,
     tone_table: ToneTable,
     tones: [u32; TONE_WORDS],
@@ -34,6 +35,7 @@ impl Strips {
     #[must_use]
     pub const fn new() -> Self {
         Self {
+            arrangement: Arrangement::empty(),
             view: View::empty(),
             tone_table: ToneTable::empty(),
             tones: [0; TONE_WORDS],
@@ -64,49 +66,37 @@ impl Painter for Strips {
         watch: &mut Stopwatch<'_, C>,
         give: Give<'_>,
     ) -> Result<(), PaintError> {
-        let Self {
-            view,
-            tone_table,
-            tones,
-            strip,
-        } = self;
-        let Scene {
-            camera,
-            light,
-            mode,
-        } = scene;
+        let Scene { camera, mode, .. } = scene;
         if !is_known(*mode) {
             return Err(ModelError::Mode.into());
         }
         let blob = model.blob();
-        let grid = &blob.grid(mode.grid).ok_or(ModelError::Grid(mode.grid))?;
-        let quarters = match mode.frame {
-            FrameMode::Quarters => Some(camera.in_quarters().ok_or(ModelError::TooLarge)?),
-            FrameMode::Tones | FrameMode::Words => None,
-        };
-        let seen = quarters.as_ref().unwrap_or(camera);
-        watch
-            .time(Phase::Setup, || view.prepare(seen, grid, mode.cell_size))
-            .map_err(ModelError::View)?;
+        model.arrange(scene, &mut self.arrangement, watch)?;
         let palette = watch.time(Phase::ShadingTables, || {
-            tone_table.shade(grid.layout(), blob.materials().len(), *light);
-            Palette::new(blob.materials(), BACKGROUND)
+            Palette::new(blob.materials(), blob.background())
         });
+        let mut instances = Instances {
+            blob,
+            scene,
+            arrangement: &self.arrangement,
+            view: &mut self.view,
+            tone_table: &mut self.tone_table,
+            depth: &mut [],
+            prepared: None,
+        };
+        let (tones, strip) = (&mut self.tones, &mut self.strip);
         let width = usize::from(camera.width);
-        if let Some(quarters) = quarters {
+        if mode.frame == FrameMode::Quarters {
             let blend = watch.time(Phase::ShadingTables, || Blend::new(&palette));
             for rows in bands(camera.height) {
-                view.see_rows(rows.clone());
                 let strip = strip.get_mut(..width * (rows.len() / 2));
                 let strip = strip.ok_or(ModelError::TooLarge)?;
                 let mut band = watch
                     .time(Phase::Clear, || {
-                        PanelQuarters::band(tones, quarters.width, rows)
+                        PanelQuarters::band(tones, 2 * camera.width, rows.clone())
                     })
                     .ok_or(ModelError::TooLarge)?;
-                watch.time(Phase::Draw, || {
-                    by_footprint(mode.footprint, grid, view, tone_table, &mut band)
-                });
+                instances.draw::<Preset, _, _, _>(&mut band, Some(&rows), watch)?;
                 watch.time(Phase::Fill, || blend.rows(&band, strip, camera.width));
                 watch.time(Phase::Send, || give(strip))?;
             }
@@ -117,12 +107,7 @@ impl Painter for Strips {
                 PanelTones::cleared(tones, camera.width, camera.height)
             })
             .ok_or(ModelError::TooLarge)?;
-        let reach = watch.time(Phase::Draw, || {
-            by_footprint(mode.footprint, grid, view, tone_table, &mut frame)
-        });
-        if let Some(reach) = reach {
-            watch.time(Phase::Fill, || frame.fill(reach));
-        }
+        instances.draw::<Preset, _, _, _>(&mut frame, None, watch)?;
         watch.time(Phase::Send, || {
             let mut rows = frame.rows();
             loop {
@@ -153,20 +138,6 @@ impl Painter for Strips {
             watch.time(Phase::Send, || give(&self.strip))?;
         }
         Ok(())
-    }
-}
-
-/// What presets draw: discs, or boxes where the samples have no offsets.
-fn by_footprint<V: Visibility>(
-    footprint: FootprintMode,
-    grid: &rho_grid::blob::Grid<'_>,
-    view: &View,
-    tones: &ToneTable,
-    target: &mut V,
-) -> Option<Rect> {
-    match footprint {
-        FootprintMode::Disc => draw::<V, Disc, Divide>(grid, view, tones, target),
-        _ => draw::<V, PixelCentre, Divide>(grid, view, tones, target),
     }
 }
 

@@ -208,7 +208,8 @@ impl Ready {
         let picture = match self.row.way {
             Way::Renderer { .. } => {
                 let (blob, mode) = (self.model.blob()?, self.mode(view)?);
-                render::picture(drawn, &blob, view, STANDARD_LIGHT, mode)?
+                let light = render::light(STANDARD_LIGHT);
+                render::picture(drawn, &blob, &view.camera()?, light, mode)?
             }
             Way::Points(_) | Way::Triangles(..) => {
                 let (width, height, words) = drawn;

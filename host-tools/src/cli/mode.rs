@@ -17,8 +17,8 @@ pub struct ModeArgs {
     /// flag beside it overrides its part
     #[arg(long, value_name = "NAME")]
     preset: Option<Preset>,
-    /// Which grid of a blob that has several, counted from 0 as `rho info` does [default: by the
-    /// object's size on the screen]
+    /// Which grid of a blob that has several, counted from 0 as `rho info` does; of a scene, of each
+    /// object's grids [default: by the object's size on the screen]
     #[arg(long, value_name = "N")]
     grid: Option<u16>,
     /// How the nearest sample of a pixel is found: eye, z
@@ -74,6 +74,7 @@ impl ModeArgs {
             reciprocal: self.reciprocal.unwrap_or(preset.reciprocal),
             frame,
             grid: self.grid.unwrap_or(preset.grid),
+            fineness: preset.fineness.filter(|_| self.grid.is_none()),
             cell_size: self.cell_size.unwrap_or(preset.cell_size),
         })
     }
@@ -83,7 +84,7 @@ impl ModeArgs {
     pub fn warning(mode: Mode, blob: &Blob<'_>) -> Option<&'static str> {
         let centred = |grid: Grid<'_>| grid.layout().offset == 0;
         let discs = mode.footprint == FootprintMode::Disc;
-        (discs && blob.grid(mode.grid).is_some_and(centred)).then_some(
+        (discs && mode.fineness.is_none() && blob.grid(mode.grid).is_some_and(centred)).then_some(
             "this blob's samples have no offsets, and discs at the cells' centres leave holes: \
              bake it with --thin --layout offset, or use --footprint box",
         )

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use rho_grid::mode::Preset;
 use serde_json::json;
 
 use crate::blob_file::BlobFile;
@@ -68,12 +69,12 @@ impl Render {
         }
         let file = BlobFile::read(&self.blob)?;
         let blob = file.blob()?;
-        let view = self.view_args.view();
-        let mode = self.mode_args.mode(&blob, &view.camera()?)?;
+        let camera = self.view_args.camera(Some(&blob))?;
+        let mode = self.mode_args.mode(&blob, &camera)?;
         if let Some(warning) = ModeArgs::warning(mode, &blob).filter(|_| !self.quiet) {
             eprintln!("warning: {warning}");
         }
-        let drawn = render::render(&blob, &view, self.view_args.light(), mode)?;
+        let drawn = render::render_from(&blob, &camera, self.view_args.towards(Some(&blob)), mode)?;
         let (width, height) = (u32::from(drawn.width), u32::from(drawn.height));
         if let Some(path) = &self.depth {
             let values = drawn.depth.iter().copied().map(f64::from).collect();
@@ -99,6 +100,7 @@ impl Render {
                     "reciprocal": mode.reciprocal.name(),
                     "frame": mode.frame.name(),
                     "grid": mode.grid,
+                    "fineness": mode.fineness.map(Preset::name),
                     "cell_size": mode.cell_size.to_num::<f64>(),
                 })
             );

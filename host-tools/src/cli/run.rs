@@ -88,7 +88,8 @@ impl RunArgs {
     /// # Errors
     /// See [`device::run`]; and when a file cannot be read or written.
     pub fn run(&self) -> Outcome {
-        let camera = self.view.view().camera()?;
+        // Before a model is read: a wrong flag should not cost a second.
+        self.view.view().camera()?;
         let mut baked = String::new();
         let file = self.model.as_deref().map(BlobFile::read).transpose()?;
         // The device checks it again; here a broken one is told with what to do.
@@ -101,13 +102,14 @@ impl RunArgs {
                     .help("name a baked one, or draw the test card: --picture test-card"));
             }
             (Subject::Model, Some(blob)) => {
+                let camera = self.view.camera(Some(blob))?;
                 let mode = self.mode.mode(blob, &camera)?;
                 if let Some(warning) = ModeArgs::warning(mode, blob) {
                     eprintln!("warning: {warning}");
                 }
                 Request::Model(Scene {
                     camera,
-                    light: render::light(self.view.light()),
+                    light: self.view.towards(Some(blob)),
                     mode,
                 })
             }
@@ -129,9 +131,8 @@ impl RunArgs {
             let (width, height) = (run.report.width, run.report.height);
             let picture = match (&request, &blob) {
                 (Request::Model(scene), Some(blob)) => {
-                    let (view, light) = (self.view.view(), self.view.light());
                     let drawn = (width, height, run.words.as_slice());
-                    render::picture(drawn, blob, &view, light, scene.mode)?
+                    render::picture(drawn, blob, &scene.camera, scene.light, scene.mode)?
                 }
                 _ => Picture::from_rgb565(width.into(), height.into(), &run.words),
             };

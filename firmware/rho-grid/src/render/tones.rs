@@ -13,7 +13,7 @@
 //! that its mask does not name: it then reads and writes back bytes of the rows beside it, or of the
 //! margins before and after the frame.
 
-use super::visibility::{Rect, Stamp, Visibility};
+use super::visibility::{Canvas, Rect, Stamp, Visibility};
 
 /// The lowest bit of each of four pixels.
 const COVERED: u32 = 0x0101_0101;
@@ -191,6 +191,34 @@ fn spread(mask: u32, row: usize) -> u32 {
     let pair = SPREAD.get((mask >> (8 * (row / 2))) as usize & 255);
     let [even, odd] = pair.copied().unwrap_or_default();
     if row.is_multiple_of(2) { even } else { odd }
+}
+
+impl<const STRIDE: usize, const SPAN: usize> Canvas for Tones<'_, STRIDE, SPAN> {
+    fn size(&self) -> (u16, u16) {
+        (self.width, self.height)
+    }
+
+    fn first_row(&self) -> u32 {
+        self.first as u32
+    }
+
+    #[inline(always)]
+    fn paint(&mut self, x: u32, y: u32, colour: u16) {
+        let at = self.at(x as i32, y as i32);
+        if let Some(pixel) = self.pixels.get_mut(at) {
+            *pixel = colour as u8;
+        }
+    }
+
+    fn depths(&self, depths: &mut [u16]) {
+        let depths = depths.chunks_exact_mut(usize::from(self.width).max(1));
+        for (depths, row) in depths.zip(self.rows()) {
+            for (depth, pixel) in depths.iter_mut().zip(row) {
+                // 0 where the lowest bit is 1.
+                *depth = u16::from(pixel & 1).wrapping_sub(1);
+            }
+        }
+    }
 }
 
 impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SPAN> {

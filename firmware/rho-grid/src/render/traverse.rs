@@ -175,11 +175,18 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             if leaf || self.level(child_level).stop_w <= cell.centre.w {
                 let first = self.first(child_level);
                 self.sample::<F>(&cell, first + cell.node);
-            } else if !self.target.is_hidden(pixels) {
+            } else if !self.is_behind(pixels, cell.centre, child_level) {
                 open += usize::from(self.enter::<F, R>(cell, child_level, &mut stack));
             }
         }
         Some(reach)
+    }
+
+    /// Whether a cell of `level` that reaches these pixels is behind what is drawn.
+    #[inline(always)]
+    fn is_behind(&self, pixels: Rect, centre: Homogeneous, level: usize) -> bool {
+        let nearest = centre.w - self.level(level).half.w;
+        self.target.is_behind(pixels, nearest)
     }
 
     /// The whole cube; `None` when it is behind the eye.
@@ -387,7 +394,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             let Some(rect) = self.clip(F::reach(bounds, overhang)) else {
                 continue;
             };
-            if self.target.is_hidden(rect) {
+            if self.is_behind(rect, centre, level + 1) {
                 continue;
             }
             let node = open.first_child + order::rank(&open.mask, subcell);
@@ -451,6 +458,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         let Some(stamps) = Stamps::new(view, range, &steps, axis, own, side) else {
             return false;
         };
+        let stamps = stamps.deep(inner.depth_steps());
         // The eye's slab among all subcells, and among the parents.
         let eye = self.eye_slab(inner, cell.place.map(|p| p * rho), 3);
         let eye_of_parents = self.eye_slab(self.level(level + 1), cell.place, rho);
@@ -543,7 +551,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             self.clip(pixels)
         };
         match rect {
-            Some(rect) if !self.target.is_hidden(rect) => {}
+            Some(rect) if !self.target.is_behind(rect, w) => {}
             _ => return,
         }
         let word = word();

@@ -67,6 +67,8 @@ pub(super) struct Stamps<'v> {
     offsets: [i8; 8],
     /// From the middle of a plane of 3 x 3 cells to each, from entry [`FIRST`] on.
     cells: [u32; 16],
+    /// Steps in W along x, y and z.
+    depths: [i32; 3],
     classes: &'v Classes,
     circle: Circle,
     /// The pixel from which places count.
@@ -253,9 +255,25 @@ impl<'v> Stamps<'v> {
             ],
             cells: [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0],
             along_z,
+            depths: [0; 3],
             corner: (corner(x, view.width), corner(y, view.height)),
             size: (view.width, view.height),
         })
+    }
+
+    /// With the steps in W from cell to cell along x, y, z, for those who ask for depths.
+    #[inline(always)]
+    pub(super) fn deep(self, depths: [i32; 3]) -> Self {
+        Self { depths, ..self }
+    }
+
+    /// From the middle of a plane of 3 x 3 cells to each, as [`Self::cells`] has places.
+    #[inline(always)]
+    fn depths(&self) -> [i32; 16] {
+        let [x, y, _] = self.depths;
+        let row = |middle: i32| [middle - x, middle, middle + x];
+        let ([a, b, c], [d, e, f], [g, h, i]) = (row(-y), row(0), row(y));
+        [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0]
     }
 
     /// Whether samples of this layout can be stamped.
@@ -312,6 +330,8 @@ impl<'v> Stamps<'v> {
         let corner = target.corner(x, y);
         let (x, y) = self.origin(C::ROWS as i32);
         let mut tail = [0; 16];
+        let depths = self.depths();
+        let [.., deep_z] = self.depths;
         for parent in parents.order.iter().take(parents.count) {
             let order = Order::from_bits(parent >> 16);
             let subcell = (parent >> 8 & 255) as usize;
@@ -329,16 +349,14 @@ impl<'v> Stamps<'v> {
             let low = order.cells(mask);
             let mid = order.cells(mask >> 9);
             let high = order.cells(mask >> 18);
+            let (along_z, w) = (self.along_z, centre.w);
+            let last = first + low.1 + mid.1;
             let planes = [
-                (low, middle.wrapping_sub(self.along_z), first),
-                (mid, middle, first + low.1),
-                (
-                    high,
-                    middle.wrapping_add(self.along_z),
-                    first + low.1 + mid.1,
-                ),
+                (low, (middle.wrapping_sub(along_z), w - deep_z), first),
+                (mid, (middle, w), first + low.1),
+                (high, (middle.wrapping_add(along_z), w + deep_z), last),
             ];
-            for ((cells, count), at, first) in order.planes(planes) {
+            for ((cells, count), (at, w), first) in order.planes(planes) {
                 if count == 0 {
                     continue;
                 }
@@ -356,7 +374,8 @@ impl<'v> Stamps<'v> {
                 let samples = Samples {
                     words,
                     at,
-                    w: centre.w,
+                    w,
+                    depths: &depths,
                     corner,
                 };
                 let cells = cells.iter().take(count);
@@ -402,7 +421,7 @@ impl<'v> Stamps<'v> {
                 x: place >> 10 & 63,
                 y: place >> 26,
                 away: towards < 0,
-                w: samples.w,
+                w: samples.w + entry(samples.depths, cell),
             };
             C::stamp(target, stamp, mask, || shading.of_normal(word >> 3));
         }
@@ -415,6 +434,8 @@ struct Samples<'g> {
     /// The place of the middle cell.
     at: u32,
     w: i32,
+    /// From there to each cell's W.
+    depths: &'g [i32; 16],
     corner: u32,
 }
 
