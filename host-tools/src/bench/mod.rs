@@ -6,6 +6,7 @@ pub mod rows;
 pub mod table;
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -128,7 +129,10 @@ impl Ready {
         let program = row.way.package(machine).build(folder, target_dir)?;
         let firmware = Firmware::open(&program, machine)?;
         let (model, run) = match row.way {
-            Way::Renderer { bake, run } => (baked(subject, bake)?, run),
+            Way::Renderer { bake, run } => (
+                bake_with(subject.path.clone().into(), subject.up, bake)?,
+                run,
+            ),
             Way::Points(_) => (peer::points(&subject.mesh), ""),
             Way::Triangles(_, most) if most >= subject.mesh.triangles.len() => {
                 (peer::triangles(&subject.mesh), "")
@@ -229,8 +233,11 @@ impl Ready {
     }
 }
 
-/// The blob that `rho bake` makes with these flags.
-fn baked(subject: &Subject, flags: &str) -> Outcome<Vec<u8>> {
+/// The blob that `rho bake` makes of a source with these flags.
+///
+/// # Errors
+/// Those of the command.
+pub fn bake_with(source: OsString, up: Up, flags: &str) -> Outcome<Vec<u8>> {
     let scratch = |error: std::io::Error| {
         Failure::missing(format!("no room for temporary files: {error}"))
             .help("free some space, or set TMPDIR to a folder that has some")
@@ -238,8 +245,8 @@ fn baked(subject: &Subject, flags: &str) -> Outcome<Vec<u8>> {
     let folder = tempfile::tempdir().map_err(scratch)?;
     let blob = folder.path().join("model.rho");
     let fixed = ["rho", "bake", "--quiet", "-o"].map(Into::into);
-    let paths = [blob.clone().into_os_string(), subject.path.clone().into()];
-    let up = match subject.up {
+    let paths = [blob.clone().into_os_string(), source];
+    let up = match up {
         Up::Y => "--up y",
         Up::Z => "--up z",
     };
