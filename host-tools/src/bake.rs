@@ -22,6 +22,7 @@ use crate::model::{LoadOptions, Up};
 use crate::palette::Palette;
 use crate::peak::peak_memory;
 use crate::sampling::{Sampling, Separation, Sequence, Tree};
+use crate::scene::{self, Scene};
 use crate::source::{self, Model, Shape};
 use crate::text::{size, thousands};
 
@@ -204,7 +205,7 @@ pub struct Seconds {
     pub total: f64,
 }
 
-/// Bakes `model`, as [`source::open`] finds it. The bytes depend on the model and the options
+/// Bakes `model`, as [`source::open`] finds it, or a scene. The bytes depend on the model and the options
 /// alone, not on the number of threads.
 ///
 /// # Errors
@@ -212,6 +213,12 @@ pub struct Seconds {
 /// than allowed, or does not fit into the flash.
 pub fn bake(model: &str, options: &BakeOptions, progress: &Progress) -> Outcome<Baked> {
     let started = Instant::now();
+    if scene::is_file(model) {
+        let path = source::find(model, options.models.as_deref())?;
+        let scene = Scene::read(&path, options.models.as_deref())?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        return scene::bake::bake(&scene, &name, options, progress);
+    }
     let model = source::open(model, options.models.as_deref(), &options.load)?;
     let standard;
     let options = match options.grid {

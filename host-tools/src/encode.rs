@@ -3,17 +3,20 @@
 use glam::DVec3;
 use rayon::prelude::*;
 use rho_grid::blob::format::{
-    BASE_NODES, CRC, ENTRY_BYTES, GRID_BYTES, HEADER_BYTES, MAGIC, MATERIAL_BYTES, MAX_SECTIONS,
-    MAX_SUBDIVISIONS, PAGE_BYTES, VERSION, kind,
+    BASE_NODES, CAMERA_BYTES, CRC, ENTRY_BYTES, GRID_BYTES, HEADER_BYTES, MAGIC, MATERIAL_BYTES,
+    MAX_SECTIONS, MAX_SUBDIVISIONS, OWN_MATERIAL, PAGE_BYTES, VERSION, kind,
 };
-use rho_grid::blob::{Layout, Material};
+use rho_grid::blob::{Instance, Layout, Light, Material};
+use rho_grid::camera::Camera;
+use rho_grid::q::Rotation;
 
 use crate::palette::Palette;
 use crate::quantise::normal_index;
 use crate::sampling::{Separation, Tree, TreeLevel, TreeSample};
 
-/// The most grids of a blob: each has four sections, and two are the blob's.
+/// The most grids of a blob: each has four sections, and two are the blob's, or six a scene's.
 pub const MAX_GRIDS: usize = (MAX_SECTIONS - 2) / 4;
+const _: () = assert!((MAX_SECTIONS - 6) / 4 + 1 >= MAX_GRIDS);
 
 /// A blob in the making: sections in the order in which they are added.
 #[derive(Debug, Default)]
@@ -32,6 +35,135 @@ pub struct Encoding {
     pub origin: String,
 }
 
+/// A blob of several objects, each in one or more grids.
+#[derive(Clone, Debug)]
+pub struct SceneEncoding<'a> {
+    /// What the instances are instances of.
+    pub objects: &'a [ObjectEncoding],
+    /// The materials, 1 to 32.
+    pub materials: Vec<Material>,
+    /// 1 to [`MAX_INSTANCES`](rho_grid::blob::format::MAX_INSTANCES).
+    pub instances: Vec<Instance>,
+    /// At most [`MAX_LIGHTS`](rho_grid::blob::format::MAX_LIGHTS).
+    pub lights: Vec<Light>,
+    /// Where the eye stands if nobody says otherwise.
+    pub camera: Camera,
+    /// RGB565.
+    pub background: u16,
+    /// Lines `key=value`: generator, options, source.
+    pub origin: String,
+}
+
+/// An object and its grids.
+#[derive(Clone, Debug)]
+pub struct ObjectEncoding {
+    /// A grid each.
+    pub trees: Vec<Tree>,
+    /// What an attribute word holds.
+    pub layout: Layout,
+    /// The colours of its own materials.
+    pub palette: Palette,
+    /// The blob's material that is the first of them.
+    pub first_material: u16,
+    /// How many of the blob's materials its samples may name.
+    pub materials: u16,
+    /// The box, in its cube, that holds its surface: low and high corner.
+    pub bounds: [DVec3; 2],
+}
+
+/// The blob of a scene.
+#[must_use]
+pub fn encode_scene(scene: &SceneEncoding<'_>) -> Vec<u8> {
+    let mut sections = Sections::default();
+    sections.add(kind::ORIGIN, 0, scene.origin.clone().into_bytes());
+    sections.add(kind::MATERIALS, 0, materials(&scene.materials));
+    sections.add(kind::OBJECTS, 0, objects(scene.objects));
+    sections.add(kind::INSTANCES, 0, instances(&scene.instances));
+    if !scene.lights.is_empty() {
+        sections.add(kind::LIGHTS, 0, lights(&scene.lights));
+    }
+    sections.add(kind::CAMERA, 0, camera(&scene.camera, scene.background));
+    let mut grid = 0;
+    for object in scene.objects {
+        for tree in &object.trees {
+            sections.add(kind::GRID, grid, description(tree, object.layout));
+            sections.add(kind::MASKS, grid, masks(tree));
+            sections.add(kind::CHILDREN, grid, children(tree));
+            let words = attributes(tree, object.layout, &object.palette);
+            sections.add(kind::ATTRIBUTES, grid, words);
+            grid += 1;
+        }
+    }
+    sections.write()
+}
+
+fn objects(objects: &[ObjectEncoding]) -> Vec<u8> {
+    let mut out = Vec::new();
+    let mut first = 0;
+    for object in objects {
+        let grids = object.trees.len() as u16;
+        for word in [first, grids, object.first_material, object.materials] {
+            out.extend(word.to_le_bytes());
+        }
+        first += grids;
+        let [low, high] = object.bounds;
+        let q15 = |v: f64| (v.clamp(-0.5, 0.5) * 32768.0) as i16;
+        for v in low.to_array() {
+            out.extend(q15((v * 32768.0).floor() / 32768.0).to_le_bytes());
+        }
+        for v in high.to_array() {
+            out.extend(q15((v * 32768.0).ceil() / 32768.0).to_le_bytes());
+        }
+    }
+    out
+}
+
+fn instances(instances: &[Instance]) -> Vec<u8> {
+    let mut out = Vec::new();
+    for instance in instances {
+        out.extend(instance.object.to_le_bytes());
+        out.extend(instance.material.unwrap_or(OWN_MATERIAL).to_le_bytes());
+        rotation(&mut out, &instance.rotation);
+        out.extend(instance.scale.to_bits().to_le_bytes());
+        for v in instance.translation {
+            out.extend(v.to_bits().to_le_bytes());
+        }
+    }
+    out
+}
+
+fn rotation(out: &mut Vec<u8>, rows: &[[Rotation; 3]; 3]) {
+    for entry in rows.as_flattened() {
+        out.extend(entry.to_bits().to_le_bytes());
+    }
+}
+
+fn lights(lights: &[Light]) -> Vec<u8> {
+    let mut out = Vec::new();
+    for light in lights {
+        for v in light.towards {
+            out.extend(v.to_bits().to_le_bytes());
+        }
+        out.extend(u16::from(light.casts_shadows).to_le_bytes());
+        out.extend(light.colour.iter().flat_map(|c| c.to_le_bytes()));
+        out.extend([0; 2]);
+    }
+    out
+}
+
+fn camera(camera: &Camera, background: u16) -> Vec<u8> {
+    let mut out = Vec::with_capacity(CAMERA_BYTES);
+    rotation(&mut out, &camera.rotation);
+    for v in camera.translation {
+        out.extend(v.to_bits().to_le_bytes());
+    }
+    out.extend(camera.focal.to_bits().to_le_bytes());
+    for word in [camera.width, camera.height, background, 0] {
+        out.extend(word.to_le_bytes());
+    }
+    out
+}
+
 /// The blob with one grid.
 #[must_use]
 pub fn encode(tree: &Tree, encoding: &Encoding) -> Vec<u8> {
@@ -48,7 +180,11 @@ pub fn encode_all(trees: &[Tree], encoding: &Encoding) -> Vec<u8> {
         sections.add(kind::GRID, grid, description(tree, encoding.layout));
         sections.add(kind::MASKS, grid, masks(tree));
         sections.add(kind::CHILDREN, grid, children(tree));
-        sections.add(kind::ATTRIBUTES, grid, attributes(tree, encoding));
+        sections.add(
+            kind::ATTRIBUTES,
+            grid,
+            attributes(tree, encoding.layout, &encoding.palette),
+        );
     }
     sections.write()
 }
@@ -191,15 +327,14 @@ fn offset_step(layout: Layout, sides: f32) -> u32 {
     layout.offset_step(((sides - half_step).clamp(-2.0, 2.0) * 65536.0) as i32)
 }
 
-fn attributes(tree: &Tree, encoding: &Encoding) -> Vec<u8> {
+fn attributes(tree: &Tree, layout: Layout, palette: &Palette) -> Vec<u8> {
     let word = |sample: &TreeSample| -> [u8; 2] {
-        let layout = encoding.layout;
         let normal = normal_index(DVec3::from(sample.normal));
         let offset = offset_step(layout, sample.offset);
         let material = if layout.material == 0 {
             0
         } else {
-            encoding.palette.nearest(sample.colour)
+            palette.nearest(sample.colour)
         };
         (layout.pack(normal, offset, material, 0) as u16).to_le_bytes()
     };

@@ -22,12 +22,18 @@ impl Palette {
     /// At most eight colours for these samples; the same whatever their order.
     #[must_use]
     pub fn of(samples: impl Iterator<Item = [u8; 3]>) -> Self {
+        Self::of_at_most(MAX_MATERIALS, samples)
+    }
+
+    /// The same for at most `most` colours, at least 1.
+    #[must_use]
+    pub fn of_at_most(most: usize, samples: impl Iterator<Item = [u8; 3]>) -> Self {
         let mut counts = BTreeMap::<[u8; 3], u64>::new();
         for colour in samples {
             *counts.entry(colour).or_default() += 1;
         }
         let all: Counts = counts.into_iter().collect();
-        if all.len() <= MAX_MATERIALS {
+        if all.len() <= most {
             let mut colours: Vec<_> = all.iter().map(|(c, _)| *c).collect();
             if colours.is_empty() {
                 colours.push([255; 3]);
@@ -35,7 +41,7 @@ impl Palette {
             return Self { colours };
         }
         let mut boxes = vec![all.clone()];
-        while boxes.len() < MAX_MATERIALS {
+        while boxes.len() < most {
             let widest = (0..boxes.len()).max_by_key(|b| spread(&boxes[*b]).0);
             let Some(split) = widest.map(|b| boxes.swap_remove(b)) else {
                 break;

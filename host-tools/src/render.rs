@@ -1,24 +1,29 @@
 //! A frame computed on the PC by the device's own renderer.
 
+use std::ops::Range;
+
 use fixed::traits::ToFixed;
 use glam::DVec3;
-use rho_grid::blob::{Blob, Grid};
+use rho_grid::blob::Blob;
+use rho_grid::blob::format::MAX_MATERIALS;
 use rho_grid::camera::Camera;
 use rho_grid::frame::Frame;
 use rho_grid::mode::{FrameMode, Mode, ShadowMode, VisibilityMode};
 use rho_grid::q::Unit;
-use rho_grid::render::shadow::Shadows;
-use rho_grid::render::{self, EyeOrder, Rect, Tones, Visibility, ZBuffer, tone_words};
+use rho_grid::render::shadow::{ShadowMap, Shadows};
+use rho_grid::render::{
+    self, Blend, Canvas, EyeOrder, Rect, Tones, Visibility, ZBuffer, bands, quarter_words,
+    tone_words,
+};
+use rho_grid::scene::{Arrangement, Placed, Turn};
 use rho_grid::shading::{Palette, Shade, Shading, ToneTable};
 
 use crate::failure::{Failure, Outcome};
+use crate::picture::Picture;
 use crate::view::View;
 
 /// Pixels a row of the widest picture.
 const WIDEST: usize = Camera::MAX_SIDE as usize;
-
-/// Black; the standard scene's background.
-pub const BACKGROUND: u16 = 0;
 
 /// A frame and what is known of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,15 +34,28 @@ pub struct Drawn {
     pub height: u16,
     /// RGB565 words, rows from the top.
     pub words: Vec<u16>,
+    /// What is where nothing is drawn: black, but for scenes.
+    pub background: u16,
     /// A pixel's distance along the optical axis in cube units, NaN where nothing is drawn.
     pub depth: Vec<f32>,
+    /// How much of each pixel is covered, 0 to 255, where quarters of pixels tell.
+    pub coverage: Option<Vec<u8>>,
 }
 
 impl Drawn {
     /// Pixels that differ from the background.
     #[must_use]
     pub fn pixels(&self) -> usize {
-        self.words.iter().filter(|w| **w != BACKGROUND).count()
+        self.words.iter().filter(|w| **w != self.background).count()
+    }
+
+    /// The frame as a picture, with its coverage.
+    #[must_use]
+    pub fn picture(&self) -> Picture {
+        Picture {
+            coverage: self.coverage.clone(),
+            ..Picture::from_rgb565(self.width.into(), self.height.into(), &self.words)
+        }
     }
 
     /// CRC-32 over the words, little-endian, rows from the top.
@@ -60,159 +78,328 @@ pub fn light(towards: DVec3) -> [Unit; 3] {
     towards.normalize().to_array().map(ToFixed::to_fixed)
 }
 
-/// Draws `blob`.
+/// Draws `blob` as `view` sees it, its first light `towards` there.
 ///
 /// # Errors
 /// When the view is out of range, or the blob has no such grid.
 pub fn render(blob: &Blob<'_>, view: &View, towards: DVec3, mode: Mode) -> Outcome<Drawn> {
-    let grid = blob.grid(mode.grid).ok_or_else(|| {
+    render_from(blob, &view.camera()?, light(towards), mode)
+}
+
+/// The same from a device's camera.
+///
+/// # Errors
+/// When the camera is none, or the blob has no such grid.
+pub fn render_from(
+    blob: &Blob<'_>,
+    camera: &Camera,
+    towards: [Unit; 3],
+    mode: Mode,
+) -> Outcome<Drawn> {
+    if mode.fineness.is_none() && !blob.is_scene() && mode.grid >= blob.grid_count() {
         let count = blob.grid_count();
-        Failure::input(format!(
+        return Err(Failure::input(format!(
             "there is no grid {} in a blob of {count}",
             mode.grid
         ))
-        .help(format!("give --grid 0 to {}", count - 1))
-    })?;
-    let camera = view.camera()?;
+        .help(format!("give --grid 0 to {}", count - 1)));
+    }
+    let mut arrangement = Box::new(Arrangement::empty());
+    let in_order = mode.visibility == VisibilityMode::Eye;
+    arrangement
+        .arrange(blob, camera, in_order)
+        .map_err(|e| Failure::input(e.to_string()))?;
     let (width, height) = (camera.width, camera.height);
     let pixels = usize::from(width) * usize::from(height);
-    let mut words = vec![BACKGROUND; pixels];
-    let mut tables = Box::new(render::View::empty());
-    let mut colours = vec![0; Shading::words(blob.materials().len())];
-    tables
-        .prepare(&camera, &grid, mode.cell_size)
-        .map_err(|e| Failure::input(e.to_string()))?;
-    let mut shadows = Box::new(Shadows::empty());
-    let mut texels = vec![0; mode.shadow_map.words()];
-    let map = match mode.shadows {
-        ShadowMode::None => None,
-        ShadowMode::TwoPass | ShadowMode::Kept => {
-            let how = (mode.shadow_map, mode.light_splat);
-            let map = shadows.cast(blob, &grid, light(towards), how, &mut texels);
-            Some(map.ok_or_else(|| internal("shadow map"))?)
-        }
+    let mut words = vec![blob.background(); pixels];
+    let mut stage = Stage {
+        blob,
+        camera,
+        mode,
+        tables: Box::new(render::View::empty()),
+        shadows: None,
+        unit: arrangement.unit(),
+        depth: vec![f32::NAN; pixels],
+        buffer: vec![u16::MAX; pixels],
     };
-    let mut w = vec![0; pixels];
-    if mode.frame == FrameMode::Tones {
-        let mut table = ToneTable::empty();
-        table.shade(grid.layout(), blob.materials().len(), light(towards));
+    let internal = |what: &str| Failure::input(format!("{what} (an error in rho)"));
+    let mut texels = vec![0; mode.shadow_map.words()];
+    if mode.shadows != ShadowMode::None {
+        let mut tables = Box::new(Shadows::empty());
+        let mut map = ShadowMap::cleared(&mut texels, mode.shadow_map)
+            .ok_or_else(|| internal("shadow map"))?;
+        tables.cast(blob, towards, mode.light_splat, &mut map);
+        stage.shadows = Some((tables, map));
+    }
+    let mut coverage = None;
+    let palette = Palette::new(blob.materials(), blob.background());
+    if mode.frame == FrameMode::Quarters {
+        if camera.in_quarters().is_none() {
+            let largest = Camera::MAX_QUARTERED;
+            return Err(Failure::input(format!(
+                "a picture in quarters has at most {largest} x {largest} pixels"
+            ))
+            .help("give a smaller --size, or --frame tones"));
+        }
+        stage.depth = vec![f32::NAN; 4 * pixels];
+        stage.buffer = vec![u16::MAX; 4 * pixels];
+        let blend = Blend::new(&palette);
+        let mut buffer = vec![0; quarter_words(WIDEST)];
+        for rows in bands(height) {
+            let first = usize::from(rows.start / 2) * usize::from(width);
+            let mut band = WideTones::band(&mut buffer, 2 * width, rows.clone())
+                .ok_or_else(|| internal("frame size"))?;
+            stage.tones(arrangement.turns(), towards, &mut band, Some(rows))?;
+            blend.rows(&band, &mut words[first..], width);
+        }
+        coverage = Some(stage.gather(usize::from(width)));
+    } else if mode.frame == FrameMode::Tones {
         let mut buffer = vec![0; tone_words(WIDEST, height)];
-        let inner = Tones::<WIDEST, { 3 * WIDEST + 4 }>::cleared(&mut buffer, width, height)
-            .ok_or_else(|| internal("frame size"))?;
-        let mut target = Recorder::new(inner, &mut w, width);
-        let reach = match &map {
-            None => render::draw_seen(mode, &grid, &tables, &table, &mut target),
-            Some(map) => {
-                let shade = shadows.over(&table, map);
-                render::draw_seen(mode, &grid, &tables, &shade, &mut target)
-            }
-        };
-        if let Some(reach) = reach {
-            target.inner.fill(reach);
-        }
-        let palette = Palette::new(blob.materials(), BACKGROUND);
-        let tones = target.inner.rows().flatten();
+        let mut frame =
+            WideTones::cleared(&mut buffer, width, height).ok_or_else(|| internal("frame size"))?;
+        stage.tones(arrangement.turns(), towards, &mut frame, None)?;
+        let tones = frame.rows().flatten();
         words = tones.map(|tone| palette.colour(*tone)).collect();
-        return Ok(drawn(&tables, (width, height), words, w));
-    }
-    let shading = Shading::new(
-        &mut colours,
-        grid.layout(),
-        blob.materials(),
-        light(towards),
-    )
-    .ok_or_else(|| internal("shading table"))?;
-    match &map {
-        None => draw_words(
-            mode,
-            &grid,
-            &tables,
-            &shading,
-            &mut words,
-            (&mut w, width, height),
-        )?,
-        Some(map) => {
-            let shade = shadows.over(&shading, map);
-            draw_words(
-                mode,
-                &grid,
-                &tables,
-                &shade,
-                &mut words,
-                (&mut w, width, height),
-            )?;
+    } else {
+        let mut colours = vec![0; Shading::words(MAX_MATERIALS)];
+        let mut bits = vec![0; EyeOrder::words(width, height)];
+        let mut frame =
+            Frame::new(&mut words, width, height).ok_or_else(|| internal("frame size"))?;
+        for turn in arrangement.turns() {
+            let Some(placed) = stage.placed(*turn)? else {
+                continue;
+            };
+            let shading = Shading::of_instance(
+                &mut colours,
+                placed.grid.layout(),
+                blob,
+                &placed.instance,
+                &placed.lighting(blob, towards),
+            )
+            .ok_or_else(|| internal("shading table"))?;
+            if in_order {
+                let mut target =
+                    EyeOrder::new(&mut frame, &mut bits).ok_or_else(|| internal("coverage"))?;
+                stage.draw(*turn, &placed, &shading, &mut target);
+            } else if let Some((tables, map)) = stage.shadows.take() {
+                stage.draw_deep::<_, false>(&placed, &tables.over(&shading, &map), &mut frame);
+                stage.shadows = Some((tables, map));
+            } else {
+                stage.draw_deep::<_, false>(&placed, &shading, &mut frame);
+            }
         }
     }
-    Ok(drawn(&tables, (width, height), words, w))
-}
-
-/// Into a frame of RGB565 words, by a visibility method that fits it.
-fn draw_words(
-    mode: Mode,
-    grid: &Grid<'_>,
-    tables: &render::View,
-    shade: &impl Shade,
-    words: &mut [u16],
-    (w, width, height): (&mut [i32], u16, u16),
-) -> Outcome {
-    let mut frame = Frame::new(words, width, height).ok_or_else(|| internal("frame size"))?;
-    match mode.visibility {
-        VisibilityMode::Eye => {
-            let mut bits = vec![0; EyeOrder::words(width, height)];
-            let inner = EyeOrder::new(&mut frame, &mut bits).ok_or_else(|| internal("coverage"))?;
-            let mut target = Recorder::new(inner, w, width);
-            render::draw_seen(mode, grid, tables, shade, &mut target);
-        }
-        VisibilityMode::Z => {
-            let mut buffer = vec![u16::MAX; w.len()];
-            let inner = ZBuffer::new(&mut frame, &mut buffer).ok_or_else(|| internal("depths"))?;
-            let mut target = Recorder::new(inner, w, width);
-            render::draw_seen(mode, grid, tables, shade, &mut target);
-        }
-    }
-    Ok(())
-}
-
-/// What a caller's numbers cannot bring about.
-fn internal(what: &str) -> Failure {
-    Failure::input(format!("{what} (an error in rho)"))
-}
-
-fn drawn(
-    tables: &render::View,
-    (width, height): (u16, u16),
-    words: Vec<u16>,
-    w: Vec<i32>,
-) -> Drawn {
-    let unit = (-f64::from(tables.w_bits())).exp2();
-    let depth = w
-        .into_iter()
-        .map(|w| match w {
-            0 => f32::NAN,
-            w => (f64::from(w) * unit) as f32,
-        })
-        .collect();
-    Drawn {
+    let Stage { depth, .. } = stage;
+    Ok(Drawn {
         width,
         height,
         words,
+        background: blob.background(),
         depth,
+        coverage,
+    })
+}
+
+/// The picture of a frame that a device has drawn in this mode. A wire carries no coverage: where
+/// quarters of pixels tell it, it is that of the same frame drawn here.
+///
+/// # Errors
+/// As [`render_from`].
+pub fn picture(
+    drawn: (u16, u16, &[u16]),
+    blob: &Blob<'_>,
+    camera: &Camera,
+    towards: [Unit; 3],
+    mode: Mode,
+) -> Outcome<Picture> {
+    let (width, height, words) = drawn;
+    if mode.frame == FrameMode::Quarters {
+        let ours = render_from(blob, camera, towards, mode)?;
+        if ours.words == words {
+            return Ok(ours.picture());
+        }
+    }
+    Ok(Picture::from_rgb565(width.into(), height.into(), words))
+}
+
+/// Tones in rows for the widest picture.
+type WideTones<'a> = Tones<'a, WIDEST, { 3 * WIDEST + 4 }>;
+
+/// What the instances of a frame have in common.
+struct Stage<'a> {
+    blob: &'a Blob<'a>,
+    camera: &'a Camera,
+    mode: Mode,
+    /// The view of the present instance.
+    tables: Box<render::View>,
+    /// What the light sees, if there are shadows.
+    shadows: Option<(Box<Shadows>, ShadowMap<'a>)>,
+    unit: Option<u32>,
+    /// What is shown, in sides of the scene's cube.
+    depth: Vec<f32>,
+    /// The depth buffer's.
+    buffer: Vec<u16>,
+}
+
+impl<'a> Stage<'a> {
+    /// The instance whose turn it is; `None` when it is too far away.
+    fn placed(&mut self, turn: Turn) -> Outcome<Option<Placed<'a>>> {
+        let placed = Placed::new(self.blob, turn.instance, self.camera, self.mode);
+        if let Some(placed) = &placed {
+            let quarters = placed.camera.in_quarters();
+            let quarters = quarters.filter(|_| self.mode.frame == FrameMode::Quarters);
+            let seen = quarters.as_ref().unwrap_or(&placed.camera);
+            self.tables
+                .prepare(seen, &placed.grid, self.mode.cell_size)
+                .map_err(|e| Failure::input(e.to_string()))?;
+            if let Some((tables, map)) = &mut self.shadows {
+                tables.see(&placed.instance, &placed.grid, map.size());
+            }
+        }
+        Ok(placed)
+    }
+
+    /// Draws all instances into a frame of tones, which is filled, or a band of quarters with these
+    /// rows.
+    fn tones(
+        &mut self,
+        turns: &[Turn],
+        towards: [Unit; 3],
+        frame: &mut WideTones<'_>,
+        rows: Option<Range<u16>>,
+    ) -> Outcome {
+        let mut table = ToneTable::empty();
+        let mut reach: Option<Rect> = None;
+        for turn in turns {
+            let Some(placed) = self.placed(*turn)? else {
+                continue;
+            };
+            if let Some(rows) = &rows {
+                self.tables.see_rows(rows.clone());
+            }
+            let object = self.blob.object(placed.instance.object);
+            let first = object.map_or(0, |object| object.first_material);
+            table.shade_from(
+                placed.grid.layout(),
+                self.blob.materials().len(),
+                placed.instance.material.unwrap_or(first),
+                placed.instance.material.is_some(),
+                placed.into_cube(towards),
+            );
+            let drawn = self.draw(*turn, &placed, &table, frame);
+            reach = reach.into_iter().chain(drawn).reduce(Rect::with);
+            if turn.is_last
+                && let Some(reach) = reach.take().filter(|_| rows.is_none())
+            {
+                frame.fill(reach);
+            }
+        }
+        Ok(())
+    }
+
+    /// Of the depths of quarters, those of pixels: of the first quarter that has one. Returns how
+    /// much of each pixel is covered.
+    fn gather(&mut self, width: usize) -> Vec<u8> {
+        let (depth, coverage) = self
+            .depth
+            .chunks_exact(4 * width)
+            .flat_map(|two| {
+                let (upper, lower) = two.split_at(2 * width);
+                upper.as_chunks().0.iter().zip(lower.as_chunks().0)
+            })
+            .map(|(&[a, b], &[c, d]): (&[f32; 2], &[f32; 2])| {
+                let covered = [a, b, c, d].into_iter().filter(|depth| depth.is_finite());
+                let first = covered.clone().next().unwrap_or(f32::NAN);
+                (first, (covered.count() * 255).div_ceil(4) as u8)
+            })
+            .unzip();
+        self.depth = depth;
+        coverage
+    }
+
+    /// Draws an instance in its turn, with its shadows; returns the pixels that it may reach.
+    fn draw(
+        &mut self,
+        turn: Turn,
+        placed: &Placed<'_>,
+        shading: &impl Shade,
+        target: &mut (impl Visibility + Canvas),
+    ) -> Option<Rect> {
+        let Some((tables, map)) = self.shadows.take() else {
+            return self.draw_lit(turn, placed, shading, target);
+        };
+        let reach = self.draw_lit(turn, placed, &tables.over(shading, &map), target);
+        self.shadows = Some((tables, map));
+        reach
+    }
+
+    fn draw_lit(
+        &mut self,
+        turn: Turn,
+        placed: &Placed<'_>,
+        shading: &impl Shade,
+        target: &mut (impl Visibility + Canvas),
+    ) -> Option<Rect> {
+        if turn.is_tangled && self.unit.is_some() {
+            if turn.is_first {
+                target.depths(&mut self.buffer);
+            }
+            return self.draw_deep::<_, true>(placed, shading, target);
+        }
+        let mut target = Recorder::new(target, &mut self.depth, placed, &self.tables);
+        render::draw_seen(
+            placed.mode,
+            &placed.grid,
+            &self.tables,
+            shading,
+            &mut target,
+        )
+    }
+
+    /// Draws an instance against depths.
+    fn draw_deep<C: Canvas, const IN_ORDER: bool>(
+        &mut self,
+        placed: &Placed<'_>,
+        shading: &impl Shade,
+        target: &mut C,
+    ) -> Option<Rect> {
+        let mut z = ZBuffer::<_, IN_ORDER>::new(target, &mut self.buffer)?;
+        if let Some(unit) = self.unit {
+            z = z.scaled(placed.depth_factor(&self.tables, unit));
+        }
+        let mut target = Recorder::new(&mut z, &mut self.depth, placed, &self.tables);
+        render::draw_seen(
+            placed.mode,
+            &placed.grid,
+            &self.tables,
+            shading,
+            &mut target,
+        )
     }
 }
 
-/// A visibility method that also remembers the w of what it shows.
+/// A visibility method that also remembers the depth of what it shows.
 struct Recorder<'a, V> {
-    inner: V,
-    w: &'a mut [i32],
+    inner: &'a mut V,
+    depth: &'a mut [f32],
     width: u32,
+    /// Sides of the scene's cube a step of w.
+    unit: f64,
 }
 
-impl<'a, V> Recorder<'a, V> {
-    fn new(inner: V, w: &'a mut [i32], width: u16) -> Self {
+impl<'a, V: Visibility> Recorder<'a, V> {
+    fn new(
+        inner: &'a mut V,
+        depth: &'a mut [f32],
+        placed: &Placed<'_>,
+        tables: &render::View,
+    ) -> Self {
+        let side = placed.instance.scale.to_num::<f64>();
         Self {
             inner,
-            w,
-            width: u32::from(width),
+            depth,
+            width: tables.width(),
+            unit: side * (-f64::from(tables.w_bits())).exp2(),
         }
     }
 }
@@ -222,6 +409,22 @@ impl<V: Visibility> Visibility for Recorder<'_, V> {
 
     fn is_hidden(&self, rect: Rect) -> bool {
         self.inner.is_hidden(rect)
+    }
+
+    fn is_behind(&self, rect: Rect, nearest: i32) -> bool {
+        self.inner.is_behind(rect, nearest)
+    }
+
+    fn is_open(&self, x: u32, y: u32) -> bool {
+        self.inner.is_open(x, y)
+    }
+
+    fn holds(&self, x: i32, y: i32) -> bool {
+        self.inner.holds(x, y)
+    }
+
+    fn shows(&self, x: u32, y: u32, w: i32) -> bool {
+        self.inner.shows(x, y, w)
     }
 
     fn draw(&mut self, rect: Rect, w: i32, colour: impl FnOnce() -> u16) {
@@ -244,7 +447,8 @@ impl<V: Visibility> Visibility for Recorder<'_, V> {
                     found
                 });
                 if shown {
-                    self.w[(y * self.width + x) as usize] = w.max(1);
+                    let depth = f64::from(w.max(1)) * self.unit;
+                    self.depth[(y * self.width + x) as usize] = depth as f32;
                 }
             }
         }

@@ -5,10 +5,12 @@ use std::str::FromStr;
 use clap::Args;
 use fixed::traits::ToFixed;
 use glam::{DMat3, DVec3};
+use rho_grid::blob::Blob;
 use rho_grid::camera::Camera;
-use rho_grid::q::{Focal, Length, Rotation};
+use rho_grid::q::{Focal, Length, Rotation, Unit};
 
 use crate::failure::{Failure, Outcome};
+use crate::render;
 
 /// The light of the standard scene: towards it, not normalised.
 pub const STANDARD_LIGHT: DVec3 = DVec3::new(0.4, 0.6, 0.7);
@@ -82,6 +84,23 @@ impl From<StandardView> for View {
 }
 
 impl View {
+    /// What a device's camera sees that looks at the origin.
+    #[must_use]
+    pub fn of(camera: &Camera) -> Self {
+        let [_, _, back] = camera.rotation.map(|row| row.map(Rotation::to_num::<f64>));
+        let [_, _, z] = camera.translation.map(Length::to_num::<f64>);
+        let half = f64::from(camera.height) / 2.0 / camera.focal.to_num::<f64>();
+        Self {
+            yaw: libm::atan2(back[0], back[2]).to_degrees(),
+            pitch: libm::asin(back[1].clamp(-1.0, 1.0)).to_degrees(),
+            distance: -z,
+            zoom: 1.0,
+            fov: 2.0 * libm::atan(half).to_degrees(),
+            width: camera.width,
+            height: camera.height,
+        }
+    }
+
     /// Where the eye stands.
     #[must_use]
     pub fn eye(&self) -> DVec3 {
@@ -259,6 +278,34 @@ pub struct ViewArgs {
 }
 
 impl ViewArgs {
+    /// The camera: that of `blob` where it has one and no flag says otherwise, else as
+    /// [`Self::view_over`] its view, or `near`.
+    ///
+    /// # Errors
+    /// As [`View::camera`].
+    pub fn camera(&self, blob: Option<&Blob<'_>>) -> Outcome<Camera> {
+        let own = blob.and_then(Blob::camera);
+        let untouched = self.view.is_none()
+            && self.size.is_none()
+            && [self.yaw, self.pitch, self.distance, self.zoom, self.fov] == [None; 5];
+        match own {
+            Some(camera) if untouched => Ok(camera),
+            Some(camera) => self.view_over(View::of(&camera)).camera(),
+            None => self.view().camera(),
+        }
+    }
+
+    /// Towards the light, or the first light, as a device takes it: that of `blob` where it has one
+    /// and no flag says otherwise.
+    #[must_use]
+    pub fn towards(&self, blob: Option<&Blob<'_>>) -> [Unit; 3] {
+        let own = blob.and_then(|blob| blob.lights().next());
+        match own {
+            Some(light) if self.light.is_none() => light.towards,
+            _ => render::light(self.light()),
+        }
+    }
+
     /// The view: `near` unless one is named, then each flag over it.
     #[must_use]
     pub fn view(&self) -> View {
@@ -313,6 +360,22 @@ mod tests {
         let r = view.rotation();
         assert!((r * view.eye() - DVec3::new(0.0, 0.0, view.distance)).length() < 1e-12);
         assert!((r * DVec3::Y).y > 0.9);
+    }
+
+    #[test]
+    fn a_view_is_read_back_from_its_camera() {
+        for standard in StandardView::ALL {
+            let view = View::from(standard);
+            let back = View::of(&view.camera().unwrap());
+            for (a, b) in [
+                (view.yaw, back.yaw),
+                (view.pitch, back.pitch),
+                (view.distance, back.distance),
+                (view.fov, back.fov),
+            ] {
+                assert!((a - b).abs() < 1e-4, "{view:?} {back:?}");
+            }
+        }
     }
 
     #[test]

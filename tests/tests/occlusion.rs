@@ -10,6 +10,7 @@ use host_tools::sampling::{Separation, Tree};
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use rho_grid::blob::Layout;
 use rho_grid::frame::Frame;
+use rho_grid::lighting::Lighting;
 use rho_grid::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
 use rho_grid::q::PixelSize;
 use rho_grid::render::{EyeOrder, Rect, View as Tables, Visibility, draw_seen};
@@ -82,7 +83,13 @@ fn patiently(blob: &BlobFile, view: &View, mode: Mode) -> (Vec<u16>, usize) {
     tables.prepare(&camera, &grid, mode.cell_size).unwrap();
     let mut colours = vec![0; Shading::words(blob.materials().len())];
     let light = render::light(STANDARD_LIGHT);
-    let shading = Shading::new(&mut colours, grid.layout(), blob.materials(), light).unwrap();
+    let shading = Shading::new(
+        &mut colours,
+        grid.layout(),
+        blob.materials(),
+        &Lighting::white(light),
+    )
+    .unwrap();
     let (width, height) = (camera.width, camera.height);
     let mut words = vec![0; usize::from(width) * usize::from(height)];
     let mut frame = Frame::new(&mut words, width, height).unwrap();

@@ -7,9 +7,10 @@
 //!
 //! From the outside in:
 //!
+//! * [`scene`]: many objects in one frame; each is drawn as if it were alone.
 //! * [`render`]: a [`View`](render::View) is a camera as seen from a grid; [`render::draw`] draws.
 //! * [`blob`]: bytes checked once; a [`Grid`](blob::Grid) is the proof that reading cannot fail.
-//! * [`shading`], [`normal`]: one colour a normal and material, computed before drawing.
+//! * [`lighting`], [`shading`], [`normal`]: one colour a normal and material, computed before drawing.
 //! * [`frame`]: pixels, for and from embedded-graphics.
 //! * [`camera`], [`mode`], [`q`], [`reciprocal`]: the words of the interface.
 //!
@@ -18,7 +19,7 @@
 //! use rho_grid::camera::Camera;
 //! use rho_grid::frame::Frame;
 //! use rho_grid::mode::Mode;
-//! use rho_grid::q::Unit;
+//! use rho_grid::lighting::Lighting;
 //! use rho_grid::render::{Buffers, EyeOrder, View, draw_mode};
 //! use rho_grid::shading::Shading;
 //!
@@ -26,7 +27,7 @@
 //! fn picture(
 //!     flash: &[u8],
 //!     camera: &Camera,
-//!     light: [Unit; 3],
+//!     lighting: &Lighting,
 //!     frame: &mut Frame<'_>,
 //!     tables: &mut View,
 //!     colours: &mut [u16],                                     // Shading::words(materials)
@@ -36,7 +37,7 @@
 //!     let mode = Mode::default();
 //!     if let Some(grid) = blob.grid(0)
 //!         && tables.prepare(camera, &grid, mode.cell_size).is_ok()
-//!         && let Some(shading) = Shading::new(colours, grid.layout(), blob.materials(), light)
+//!         && let Some(shading) = Shading::new(colours, grid.layout(), blob.materials(), lighting)
 //!     {
 //!         frame.clear_to(0);
 //!         let mut buffers = Buffers { coverage, depth: &mut [] };
@@ -65,9 +66,11 @@
 pub mod blob;
 pub mod camera;
 pub mod frame;
+pub mod lighting;
 pub mod mode;
 pub mod normal;
 pub mod q;
 pub mod reciprocal;
 pub mod render;
+pub mod scene;
 pub mod shading;

@@ -45,6 +45,8 @@ pub enum FrameMode {
     Words,
     /// A byte a pixel, an index of 128 tones; for eye order only.
     Tones,
+    /// A byte a quarter of a pixel, in bands, blended into RGB565 words; for eye order only.
+    Quarters,
 }
 
 /// How what lies between the light and a sample is found (paper, section 5.3).
@@ -138,6 +140,8 @@ pub enum Preset {
     Balanced,
     /// A cell is about a pixel.
     Fine,
+    /// In quarters of pixels, blended, from cells a little smaller than those of [`Preset::Fine`].
+    Finest,
 }
 
 impl Preset {
@@ -147,40 +151,51 @@ impl Preset {
             Self::Fast => 62,
             Self::Balanced => 82,
             Self::Fine => 123,
+            Self::Finest => 140,
         }
     }
 
     /// How this preset draws `blob` as `camera` sees it.
     #[must_use]
     pub fn mode(self, blob: &Blob<'_>, camera: &Camera) -> Mode {
+        let index = self.choose(blob.grids(), camera);
+        let discs = blob.grid(index).is_none_or(|grid| grid.layout().offset > 0);
+        Mode {
+            visibility: VisibilityMode::Eye,
+            // Of a scene, grids without offsets are drawn in boxes, one by one.
+            footprint: if discs || blob.is_scene() {
+                FootprintMode::Disc
+            } else {
+                FootprintMode::Box
+            },
+            reciprocal: ReciprocalMode::Divide,
+            frame: match self {
+                Self::Finest => FrameMode::Quarters,
+                _ => FrameMode::Tones,
+            },
+            grid: if blob.is_scene() { 0 } else { index },
+            fineness: blob.is_scene().then_some(self),
+            ..Mode::default()
+        }
+    }
+
+    /// The number, among `grids`, of the coarsest that is fine enough for a cube at the origin as
+    /// `camera` sees it, else of the finest; 0 when there are none.
+    #[must_use]
+    pub fn choose<'a>(self, grids: impl Iterator<Item = Grid<'a>>, camera: &Camera) -> u16 {
         let cells = self.cells(camera);
         let fitting = |grid: &Grid<'_>| {
             let here = grid.cells(grid.subdivisions());
             // The coarsest that is fine enough, else the finest.
             (here < cells, here.abs_diff(cells))
         };
-        let (index, grid) = blob
-            .grids()
-            .enumerate()
-            .min_by_key(|(_, grid)| fitting(grid))
-            .unzip();
-        let discs = grid.is_none_or(|grid| grid.layout().offset > 0);
-        Mode {
-            visibility: VisibilityMode::Eye,
-            footprint: if discs {
-                FootprintMode::Disc
-            } else {
-                FootprintMode::Box
-            },
-            reciprocal: ReciprocalMode::Divide,
-            frame: FrameMode::Tones,
-            grid: index.unwrap_or(0) as u16,
-            ..Mode::default()
-        }
+        let best = grids.enumerate().min_by_key(|(_, grid)| fitting(grid));
+        best.map_or(0, |(index, _)| index as u16)
     }
 
     /// Cells an axis, rounded up, that a cube at the origin should have.
-    fn cells(self, camera: &Camera) -> u32 {
+    #[must_use]
+    pub fn cells(self, camera: &Camera) -> u32 {
         let [_, _, z] = camera.translation;
         // Q20, at least half a cube's side away.
         let distance = u64::from(z.to_bits().unsigned_abs()).max(1 << 19);
@@ -203,8 +218,11 @@ pub struct Mode {
     pub reciprocal: ReciprocalMode,
     /// What the frame is kept in.
     pub frame: FrameMode,
-    /// Which of the blob's grids is drawn.
+    /// Which of the blob's grids is drawn; of each object of a scene its own, or its last one.
     pub grid: u16,
+    /// Each instance of a scene is drawn in the grid that this chooses by its size on the screen;
+    /// in [`Self::grid`] if none.
+    pub fineness: Option<Preset>,
     /// A cell whose projection is at most this large is drawn from its own sample, its
     /// subcells are not visited.
     pub cell_size: PixelSize,
@@ -224,6 +242,7 @@ impl Default for Mode {
             reciprocal: ReciprocalMode::Divide,
             frame: FrameMode::Words,
             grid: 0,
+            fineness: None,
             cell_size: PixelSize::from_bits(128),
             shadows: ShadowMode::None,
             shadow_map: MapSize(7),
@@ -290,11 +309,13 @@ names!(
     ReciprocalMode::Divide => "divide", ReciprocalMode::Table => "table"
 );
 names!(
-    Preset, "fast, balanced, fine",
-    Preset::Fast => "fast", Preset::Balanced => "balanced", Preset::Fine => "fine"
+    Preset, "fast, balanced, fine, finest",
+    Preset::Fast => "fast", Preset::Balanced => "balanced", Preset::Fine => "fine",
+    Preset::Finest => "finest"
 );
 names!(
-    FrameMode, "words, tones", FrameMode::Words => "words", FrameMode::Tones => "tones"
+    FrameMode, "words, tones, quarters",
+    FrameMode::Words => "words", FrameMode::Tones => "tones", FrameMode::Quarters => "quarters"
 );
 names!(
     ShadowMode, "none, two-pass, kept",
@@ -341,6 +362,7 @@ mod tests {
         assert_eq!(cells(Preset::Fast), [81, 41]);
         assert_eq!(cells(Preset::Balanced), [107, 54]);
         assert_eq!(cells(Preset::Fine), [160, 80]);
+        assert_eq!(cells(Preset::Finest), [206, 103]);
         // At and in the cube, and at any zoom, there is an answer.
         assert_eq!(
             Preset::Fine.cells(&camera(0.0)),

@@ -1,10 +1,12 @@
 //! Shading before drawing: one colour a normal and material (paper, section 5.5).
 //!
-//! The light is directional and the eye's place does not enter, so a sample's colour depends on
-//! its attribute word alone: one look-up while drawing.
+//! Lights are directional and the eye's place enters by one direction an instance
+//! ([`crate::lighting`]), so a sample's colour depends on its attribute word alone: one look-up while
+//! drawing.
 
 use crate::blob::format::MAX_MATERIALS;
-use crate::blob::{Layout, Material};
+use crate::blob::{Blob, Instance, Layout, Material};
+use crate::lighting::{self, Lighting};
 use crate::normal::{BITS, COUNT, FACES, OCTANT};
 use crate::q::Unit;
 use crate::render::ShadowView;
@@ -67,35 +69,30 @@ impl<'a> Shading<'a> {
         materials * COUNT
     }
 
-    /// Shades every normal under every material with one light; `None` when the table is too
-    /// small.
+    /// Shades every normal under every material; `None` when the table is too small.
     ///
-    /// `towards` is a unit vector to the light in the grid's own axes. A channel is
-    /// `ambient + diffuse * max(0, n.l)`, clipped at 1 and rounded to the nearest of 32 or 64
-    /// levels.
+    /// Channels are rounded to the nearest of 32 or 64 levels.
     #[must_use]
     pub fn new(
         table: &'a mut [u16],
         layout: Layout,
         materials: impl ExactSizeIterator<Item = Material>,
-        towards: [Unit; 3],
+        lighting: &Lighting,
     ) -> Option<Self> {
         let words = Self::words(materials.len());
         let table = table.get_mut(..words)?;
-        let [lx, ly, lz] = towards.map(|c| i32::from(c.to_bits()));
         let mut unlit = [0; MAX_MATERIALS];
         let tables = table.chunks_exact_mut(COUNT).zip(&mut unlit);
         for (material, (colours, unlit)) in materials.zip(tables) {
-            *unlit = shade(&material, 0);
+            let surface = lighting.on(&material);
+            *unlit = surface.unlit();
             for (octant, colours) in colours.chunks_exact_mut(OCTANT).enumerate() {
-                let sign = |bit: usize, v: i32| if octant & bit == 0 { v } else { -v };
-                let (lx, ly, lz) = (sign(4, lx), sign(2, ly), sign(1, lz));
+                let sign = |bit: usize, v: i16| {
+                    let v = i32::from(v);
+                    if octant & bit == 0 { v } else { -v }
+                };
                 for (colour, [x, y, z]) in colours.iter_mut().zip(&FACES) {
-                    // Q28; of two unit vectors, so the sum stays within +-2^28 (1 + 2^-12).
-                    let dot = i32::from(*x) * lx + i32::from(*y) * ly + i32::from(*z) * lz;
-                    // Q15, 0 to 1.
-                    let lit = (dot.max(0) >> 13) as u32;
-                    *colour = shade(&material, lit.min(1 << 15));
+                    *colour = surface.rgb565([sign(4, *x), sign(2, *y), sign(1, *z)]);
                 }
             }
         }
@@ -105,6 +102,29 @@ impl<'a> Shading<'a> {
             under_normal: u32::from(layout.offset + layout.material) & 31,
             material: layout.material_of(u32::MAX),
         })
+    }
+
+    /// The same for an instance of `blob` in a grid of this layout.
+    #[must_use]
+    pub fn of_instance(
+        table: &'a mut [u16],
+        layout: Layout,
+        blob: &Blob<'_>,
+        instance: &Instance,
+        lighting: &Lighting,
+    ) -> Option<Self> {
+        let (first, count) = blob.materials_of(instance)?;
+        let mut materials = [Material::default(); MAX_MATERIALS];
+        for (slot, index) in materials.iter_mut().zip(first..) {
+            *slot = blob.material(index).unwrap_or_default();
+        }
+        let materials = materials.into_iter().take(count.into());
+        let mut shading = Self::new(table, layout, materials, lighting)?;
+        if count == 1 {
+            // Whatever its samples name.
+            shading.material = 0;
+        }
+        Some(shading)
     }
 }
 
@@ -140,6 +160,8 @@ pub struct ToneTable {
     tones: [u8; COUNT],
     /// From a material's tones to the next one's.
     per_material: u32,
+    /// Of the first material.
+    first: u16,
     under_normal: u32,
     material: u32,
 }
@@ -151,6 +173,7 @@ impl ToneTable {
         Self {
             tones: [0; COUNT],
             per_material: 0,
+            first: 0,
             under_normal: 0,
             material: 0,
         }
@@ -160,10 +183,24 @@ impl ToneTable {
     ///
     /// Of two opposite normals one faces away from the light, so four sums shade eight normals.
     pub fn shade(&mut self, layout: Layout, materials: usize, towards: [Unit; 3]) {
+        self.shade_from(layout, materials, 0, false, towards);
+    }
+
+    /// The same for samples whose material 0 is the palette's `first`; `one` material for all of them
+    /// if asked.
+    pub fn shade_from(
+        &mut self,
+        layout: Layout,
+        materials: usize,
+        first: u16,
+        one: bool,
+        towards: [Unit; 3],
+    ) {
         let steps = steps(materials) as i32;
         self.per_material = 2 * steps as u32;
+        self.first = self.per_material as u16 * first;
         self.under_normal = u32::from(layout.offset + layout.material) & 15;
-        self.material = layout.material_of(u32::MAX);
+        self.material = if one { 0 } else { layout.material_of(u32::MAX) };
         // The brightest step at 2^8; with a normal's 2^14, a step is 2^22.
         let [lx, ly, lz] = towards.map(|c| (i32::from(c.to_bits()) * (steps - 1)) >> 6);
         let (front, opposite) = self.tones.split_at_mut(COUNT / 2);
@@ -198,7 +235,7 @@ impl ToneTable {
 impl Shade for ToneTable {
     #[cfg(rho_thumb)]
     fn tones(&self) -> Option<&[u8; COUNT]> {
-        Some(&self.tones)
+        (self.first == 0).then_some(&self.tones)
     }
 
     /// A tone.
@@ -211,12 +248,12 @@ impl Shade for ToneTable {
     #[inline(always)]
     fn of_normal(&self, index: u32) -> u16 {
         let tone = self.tones.get(index as usize % COUNT);
-        tone.copied().unwrap_or(0).into()
+        u16::from(tone.copied().unwrap_or(0)) + self.first
     }
 
     #[inline(always)]
     fn unlit(&self, word: u32) -> u16 {
-        ((word & self.material) * self.per_material + 1) as u16
+        ((word & self.material) * self.per_material + 1) as u16 + self.first
     }
 }
 
@@ -228,10 +265,51 @@ const fn steps(materials: usize) -> usize {
     }
 }
 
+/// A colour that can be averaged: levels of RGB565 in eighths (red, blue) and quarters (green), ten bits
+/// each, of which a colour takes eight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Addend(u32);
+
+impl Addend {
+    fn new([red, green, blue]: [u32; 3]) -> Self {
+        Self(red << 20 | green << 10 | blue)
+    }
+
+    /// Of red, green, blue of Q15, 0 to 1.
+    fn of_channels([red, green, blue]: [u32; 3]) -> Self {
+        let channel = |value: u32, levels: u32| (value * levels + (1 << 14)) >> 15;
+        Self::new([
+            channel(red, 31 * 8),
+            channel(green, 63 * 4),
+            channel(blue, 31 * 8),
+        ])
+    }
+
+    /// Of a colour without fractions.
+    fn of(colour: u16) -> Self {
+        let colour = u32::from(colour);
+        Self::new([
+            colour >> 11 << 3,
+            (colour >> 5 & 63) << 2,
+            (colour & 31) << 3,
+        ])
+    }
+
+    /// The mean of four, RGB565, each channel rounded to nearest.
+    #[inline(always)]
+    #[must_use]
+    pub fn mean([a, b, c, d]: [Self; 4]) -> u16 {
+        // At most 4 x 255 a channel, half a level included, so none reaches into the next.
+        let sum = a.0 + b.0 + c.0 + d.0 + (16 << 20 | 8 << 10 | 16);
+        ((sum >> 14) & 0xF800 | (sum >> 9) & 0x07E0 | (sum >> 5) & 0x1F) as u16
+    }
+}
+
 /// The colours of the tones, RGB565.
 #[derive(Clone, Debug)]
 pub struct Palette {
     colours: [u16; TONES],
+    addends: [Addend; TONES],
     background: u16,
 }
 
@@ -241,14 +319,18 @@ impl Palette {
     pub fn new(materials: impl ExactSizeIterator<Item = Material>, background: u16) -> Self {
         let steps = steps(materials.len());
         let mut colours = [background; TONES];
-        for (material, colours) in materials.zip(colours.chunks_mut(steps)) {
-            for (step, colour) in colours.iter_mut().enumerate() {
-                let lit = (step << 15) / (steps - 1);
-                *colour = shade(&material, lit as u32);
+        let mut addends = [Addend::of(background); TONES];
+        let tones = colours.chunks_mut(steps).zip(addends.chunks_mut(steps));
+        for (material, (colours, addends)) in materials.zip(tones) {
+            for (step, (colour, addend)) in colours.iter_mut().zip(addends).enumerate() {
+                let lit = ((step << 15) / (steps - 1)) as u32;
+                *colour = shade(&material, lit);
+                *addend = Addend::of_channels(lit_by_one(&material, lit));
             }
         }
         Self {
             colours,
+            addends,
             background,
         }
     }
@@ -262,17 +344,29 @@ impl Palette {
         let colour = self.colours.get(usize::from(tone >> 1)).copied();
         colour.unwrap_or(self.background)
     }
+
+    /// The colour of a pixel, to be averaged.
+    #[must_use]
+    pub fn addend(&self, tone: u8) -> Addend {
+        let addend = self.addends.get(usize::from(tone >> 1)).copied();
+        let covered = addend.filter(|_| tone & 1 == 1);
+        covered.unwrap_or(Addend::of(self.background))
+    }
 }
 
-/// The colour under `lit` = max(0, n.l) (32768 = 1), RGB565, channels rounded to nearest.
-#[inline(always)]
+/// The colour under `lit` = max(0, n.l) of one white light (32768 = 1), RGB565.
 fn shade(material: &Material, lit: u32) -> u16 {
-    let channel = |i: usize, levels: u32| {
-        let of = |c: &[u16; 3]| c.get(i).map_or(0, |v| u32::from(*v));
-        let value = of(&material.ambient) + ((of(&material.diffuse) * lit + (1 << 14)) >> 15);
-        (value.min(1 << 15) * levels + (1 << 14)) >> 15
+    lighting::rgb565(lit_by_one(material, lit))
+}
+
+/// Red, green, blue of Q15, 0 to 1, under `lit` of one white light.
+fn lit_by_one(material: &Material, lit: u32) -> [u32; 3] {
+    let channel = |ambient: u16, diffuse: u16| {
+        let value = u32::from(ambient) + ((u32::from(diffuse) * lit + (1 << 14)) >> 15);
+        value.min(1 << 15)
     };
-    (channel(0, 31) << 11 | channel(1, 63) << 5 | channel(2, 31)) as u16
+    let ([ar, ag, ab], [dr, dg, db]) = (material.ambient, material.diffuse);
+    [channel(ar, dr), channel(ag, dg), channel(ab, db)]
 }
 
 #[cfg(test)]
@@ -295,8 +389,13 @@ mod tests {
         let light = light.map(|v| v / length);
         let towards = light.map(|v| Unit::from_bits((v * 16384.0).round() as i16));
         let mut table = vec![0; Shading::words(1)];
-        let shading =
-            Shading::new(&mut table, Layout::MATERIAL, [WHITE].into_iter(), towards).unwrap();
+        let shading = Shading::new(
+            &mut table,
+            Layout::MATERIAL,
+            [WHITE].into_iter(),
+            &Lighting::white(towards),
+        )
+        .unwrap();
         for index in 0..COUNT as u32 {
             let n = crate::normal::normal(index).map(|c| f64::from(c.to_bits()) / 16384.0);
             let dot: f64 = (0..3).map(|k| n[k] * light[k]).sum();
@@ -329,9 +428,32 @@ mod tests {
     }
 
     #[test]
+    fn a_mean_of_four_colours_is_the_nearest_in_each_channel() {
+        let colours = [0xFFFF, 0, 0x1234, 0x8765, 0xF81F, 0x07E0, 0x8410];
+        let at = |i: usize| colours[i % colours.len()];
+        for i in 0..colours.len() * colours.len() {
+            let four = [at(i), at(i / 7), at(i + 3), at(i / 2)];
+            let mean = Addend::mean(four.map(Addend::of));
+            for (shift, most) in [(11, 31), (5, 63), (0, 31)] {
+                let of = |colour: u16| u32::from(colour >> shift) & most;
+                let exact = four.iter().map(|c| of(*c)).sum::<u32>();
+                assert_eq!(of(mean), (exact + 2) / 4);
+            }
+        }
+    }
+
+    #[test]
     fn a_table_too_small_is_refused() {
         let mut table = [0; 100];
         let towards = [Unit::ZERO; 3];
-        assert!(Shading::new(&mut table, Layout::MATERIAL, [WHITE].into_iter(), towards).is_none());
+        assert!(
+            Shading::new(
+                &mut table,
+                Layout::MATERIAL,
+                [WHITE].into_iter(),
+                &Lighting::white(towards)
+            )
+            .is_none()
+        );
     }
 }

@@ -1,110 +1,125 @@
-//! A model's picture into a frame.
+//! The picture of a model or a scene into a frame.
 
 use core::fmt;
 
 use rho_grid::blob::format::MAX_MATERIALS;
-use rho_grid::blob::{Blob, BlobError, Grid};
+use rho_grid::blob::{Blob, BlobError};
 use rho_grid::frame::Frame;
-use rho_grid::mode::{FrameMode, LightSplat, MapSize, ShadowMode};
-use rho_grid::q::Unit;
-use rho_grid::render::shadow::{ShadowMap, Shadows};
+use rho_grid::mode::{FrameMode, VisibilityMode};
 use rho_grid::render::{
-    Buffers, EyeOrder, Tones, View, ViewError, draw_mode, draw_seen, tone_words,
+    Blend, Buffers, EyeOrder, Rect, Tones, View, ViewError, ZBuffer, bands, draw_seen,
+    quarter_words, tone_words,
 };
-use rho_grid::shading::{Palette, Shading, ToneTable};
+use rho_grid::scene::{Arrangement, Placed, Turn};
+use rho_grid::shading::{Palette, Shade, Shading, ToneTable};
 
 use crate::count::{Counter, Phase, Stopwatch};
+use crate::instances::{Every, Instances, draw_turn, place};
+use crate::painter::{Give, PaintError, Painter, Shapes, draw_part};
+use crate::panel::ScreenError;
 use crate::request::Scene;
+use crate::shadow::{Seen, Shadow};
 use crate::size::{HEIGHT, PIXELS, WIDTH, Words};
-
-/// The background: black.
-const BACKGROUND: u16 = 0;
 
 /// What drawing needs beside the frame, for every mode and up to eight materials.
 #[derive(Debug)]
 pub struct Memory {
+    arrangement: Arrangement,
     view: View,
     colours: [u16; Shading::words(MAX_MATERIALS)],
     coverage: [u32; EyeOrder::words(WIDTH, HEIGHT)],
     depth: [u16; PIXELS],
     tone_table: ToneTable,
-    tones: [u32; tone_words(WIDTH as usize, HEIGHT)],
+    /// Of a whole frame, or of a band of quarters.
+    tones: [u32; TONE_WORDS],
     shadow: Shadow,
 }
 
-/// A shadow map, its tables, and what they were made for.
+/// Quarters a row, and from the first of a window of four rows to beyond its last.
+const QUARTERS: (usize, usize) = (2 * WIDTH as usize, 6 * WIDTH as usize + 4);
+
+pub(crate) const TONE_WORDS: usize = {
+    let frame = tone_words(WIDTH as usize, HEIGHT);
+    let band = quarter_words(QUARTERS.0);
+    if frame > band { frame } else { band }
+};
+
+/// Draws into a whole frame of words, in every mode.
 #[derive(Debug)]
-struct Shadow {
-    tables: Shadows,
-    map: [u16; MapSize::LARGEST.words()],
-    made_for: Option<MadeFor>,
+pub struct Frames<'a> {
+    /// The frame.
+    pub words: &'a mut Words,
+    /// What drawing a model needs beside.
+    pub memory: &'a mut Memory,
 }
 
-/// All that a map depends on while there is one model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct MadeFor {
-    light: [Unit; 3],
-    grid: u16,
-    size: MapSize,
-    splat: LightSplat,
-}
-
-impl Shadow {
-    const fn new() -> Self {
-        Self {
-            tables: Shadows::empty(),
-            map: [0; MapSize::LARGEST.words()],
-            made_for: None,
-        }
+impl Painter for Frames<'_> {
+    fn model<C: Counter>(
+        &mut self,
+        model: &Model<'_>,
+        scene: &Scene,
+        watch: &mut Stopwatch<'_, C>,
+        give: Give<'_>,
+    ) -> Result<(), PaintError> {
+        model.draw(scene, self.words, self.memory, watch)?;
+        let pixels = usize::from(scene.camera.width) * usize::from(scene.camera.height);
+        let frame = self.words.get(..pixels).ok_or(ModelError::TooLarge)?;
+        Ok(watch.time(Phase::Send, || give(frame))?)
     }
 
-    /// The map for a scene, with its tables: made, or as it is when it is to be kept and can be.
-    fn map(
+    fn shapes<C: Counter>(
         &mut self,
-        blob: &Blob<'_>,
-        grid: &Grid<'_>,
-        scene: &Scene,
-    ) -> Option<(&Shadows, ShadowMap<'_>)> {
-        let Scene { light, mode, .. } = scene;
-        let wanted = MadeFor {
-            light: *light,
-            grid: mode.grid,
-            size: mode.shadow_map,
-            splat: mode.light_splat,
-        };
-        let kept = mode.shadows == ShadowMode::Kept && self.made_for == Some(wanted);
-        let Self {
-            tables,
-            map,
-            made_for,
-        } = self;
-        *made_for = Some(wanted);
-        let map = if kept {
-            ShadowMap::kept(map, wanted.size)?
-        } else {
-            let how = (wanted.size, wanted.splat);
-            tables.cast(blob, grid, *light, how, map)?
-        };
-        Some((tables, map))
+        shapes: Shapes<'_>,
+        watch: &mut Stopwatch<'_, C>,
+        give: Give<'_>,
+    ) -> Result<(), ScreenError> {
+        watch.time(Phase::Draw, || draw_part(self.words, 0, shapes));
+        watch.time(Phase::Send, || give(self.words))
     }
 }
 
 /// A frame of a byte a pixel, as wide as the panel.
-type PanelTones<'a> = Tones<'a, { WIDTH as usize }, { 3 * WIDTH as usize + 4 }>;
+pub(crate) type PanelTones<'a> = Tones<'a, { WIDTH as usize }, { 3 * WIDTH as usize + 4 }>;
+
+/// A band of quarters, as wide as the panel.
+pub(crate) type PanelQuarters<'a> = Tones<'a, { QUARTERS.0 }, { QUARTERS.1 }>;
 
 impl Memory {
     /// All zeros, so that a board's static costs no flash.
     #[must_use]
     pub const fn new() -> Self {
         Self {
+            arrangement: Arrangement::empty(),
             view: View::empty(),
             colours: [0; Shading::words(MAX_MATERIALS)],
             coverage: [0; EyeOrder::words(WIDTH, HEIGHT)],
             depth: [0; PIXELS],
             tone_table: ToneTable::empty(),
-            tones: [0; tone_words(WIDTH as usize, HEIGHT)],
+            tones: [0; TONE_WORDS],
             shadow: Shadow::new(),
         }
+    }
+}
+
+impl Memory {
+    /// What drawing instances into tones takes, and the memory of the tones.
+    fn instances<'a, 'g, C: Counter>(
+        &'a mut self,
+        blob: &'a Blob<'g>,
+        scene: &'a Scene,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> (Instances<'a, 'g>, &'a mut [u32]) {
+        let instances = Instances {
+            blob,
+            scene,
+            arrangement: &self.arrangement,
+            view: &mut self.view,
+            tone_table: &mut self.tone_table,
+            depth: &mut self.depth,
+            prepared: None,
+            shadows: self.shadow.for_scene(blob, scene, watch),
+        };
+        (instances, &mut self.tones)
     }
 }
 
@@ -123,6 +138,8 @@ pub enum ModelError {
     Grid(u16),
     /// The camera is none.
     View(ViewError),
+    /// The program was built without this mode.
+    Mode,
     /// The frame is larger than the board's memory for it.
     TooLarge,
 }
@@ -133,6 +150,7 @@ impl fmt::Display for ModelError {
             Self::Blob(error) => error.fmt(f),
             Self::Grid(index) => write!(f, "the blob has no grid {index}"),
             Self::View(error) => error.fmt(f),
+            Self::Mode => f.write_str("this program draws by presets alone"),
             Self::TooLarge => f.write_str("the frame is larger than the memory for it"),
         }
     }
@@ -156,6 +174,33 @@ impl<'a> Model<'a> {
         Ok(Self { blob })
     }
 
+    /// What was checked.
+    #[must_use]
+    pub fn blob(&self) -> &Blob<'a> {
+        &self.blob
+    }
+
+    /// Finds what the scene shows, and in which order.
+    ///
+    /// # Errors
+    /// When there is no such grid, or the camera is none.
+    pub(crate) fn arrange<C: Counter>(
+        &self,
+        scene: &Scene,
+        arrangement: &mut Arrangement,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
+        let Scene { camera, mode, .. } = scene;
+        let blob = &self.blob;
+        if mode.fineness.is_none() && !blob.is_scene() && mode.grid >= blob.grid_count() {
+            return Err(ModelError::Grid(mode.grid));
+        }
+        let in_order = mode.visibility == VisibilityMode::Eye;
+        watch
+            .time(Phase::Setup, || arrangement.arrange(blob, camera, in_order))
+            .map_err(ModelError::View)
+    }
+
     /// Draws the scene into the first `width * height` words.
     ///
     /// # Errors
@@ -167,79 +212,159 @@ impl<'a> Model<'a> {
         memory: &mut Memory,
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<(), ModelError> {
+        self.arrange(scene, &mut memory.arrangement, watch)?;
+        match scene.mode.frame {
+            FrameMode::Words => self.words(scene, words, memory, watch),
+            FrameMode::Tones => self.tones(scene, words, memory, watch),
+            FrameMode::Quarters => self.quarters(scene, words, memory, watch),
+        }
+    }
+
+    /// Into a byte a pixel.
+    fn tones<C: Counter>(
+        &self,
+        scene: &Scene,
+        words: &mut Words,
+        memory: &mut Memory,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
+        let camera = &scene.camera;
+        let (mut instances, tones) = memory.instances(&self.blob, scene, watch);
+        let mut frame = watch
+            .time(Phase::Clear, || {
+                PanelTones::cleared(tones, camera.width, camera.height)
+            })
+            .ok_or(ModelError::TooLarge)?;
+        instances.draw::<Every, _, _, _>(&mut frame, None, watch)?;
+        watch.time(Phase::Send, || {
+            let palette = Palette::new(self.blob.materials(), self.blob.background());
+            for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
+                *word = palette.colour(*tone);
+            }
+        });
+        Ok(())
+    }
+
+    /// Into a byte a quarter of a pixel, blended.
+    fn quarters<C: Counter>(
+        &self,
+        scene: &Scene,
+        words: &mut Words,
+        memory: &mut Memory,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
+        let camera = &scene.camera;
+        let (mut instances, tones) = memory.instances(&self.blob, scene, watch);
+        let blend = watch.time(Phase::ShadingTables, || {
+            Blend::new(&Palette::new(self.blob.materials(), self.blob.background()))
+        });
+        for rows in bands(camera.height) {
+            let first = usize::from(rows.start / 2) * usize::from(camera.width);
+            let words = words.get_mut(first..).unwrap_or_default();
+            let mut band = watch
+                .time(Phase::Clear, || {
+                    PanelQuarters::band(tones, 2 * camera.width, rows.clone())
+                })
+                .ok_or(ModelError::TooLarge)?;
+            instances.draw::<Every, _, _, _>(&mut band, Some(&rows), watch)?;
+            watch.time(Phase::Fill, || blend.rows(&band, words, camera.width));
+        }
+        Ok(())
+    }
+
+    /// Into RGB565 words.
+    fn words<C: Counter>(
+        &self,
+        scene: &Scene,
+        words: &mut Words,
+        memory: &mut Memory,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
         let Memory {
+            arrangement,
             view,
             colours,
             coverage,
             depth,
-            tone_table,
-            tones,
             shadow,
+            ..
         } = memory;
-        let Scene {
-            camera,
-            light,
-            mode,
-        } = scene;
-        let blob = &self.blob;
-        let grid = &blob.grid(mode.grid).ok_or(ModelError::Grid(mode.grid))?;
-        watch
-            .time(Phase::Setup, || view.prepare(camera, grid, mode.cell_size))
-            .map_err(ModelError::View)?;
-        let shadows = match mode.shadows {
-            ShadowMode::None => None,
-            ShadowMode::TwoPass | ShadowMode::Kept => {
-                let shadows = watch.time(Phase::ShadowMap, || shadow.map(blob, grid, scene));
-                Some(shadows.ok_or(ModelError::TooLarge)?)
-            }
-        };
-        if mode.frame == FrameMode::Tones {
-            watch.time(Phase::ShadingTables, || {
-                tone_table.shade(grid.layout(), blob.materials().len(), *light);
-            });
-            let mut frame = watch
-                .time(Phase::Clear, || {
-                    PanelTones::cleared(tones, camera.width, camera.height)
-                })
-                .ok_or(ModelError::TooLarge)?;
-            let reach = watch.time(Phase::Draw, || match &shadows {
-                None => draw_seen(*mode, grid, view, tone_table, &mut frame),
-                Some((tables, map)) => {
-                    let shade = tables.over(tone_table, map);
-                    draw_seen(*mode, grid, view, &shade, &mut frame)
-                }
-            });
-            if let Some(reach) = reach {
-                watch.time(Phase::Fill, || frame.fill(reach));
-            }
-            watch.time(Phase::Send, || {
-                let palette = Palette::new(blob.materials(), BACKGROUND);
-                for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
-                    *word = palette.colour(*tone);
-                }
-            });
-            return Ok(());
-        }
-        let shading = watch
-            .time(Phase::ShadingTables, || {
-                Shading::new(colours, grid.layout(), blob.materials(), *light)
-            })
-            .ok_or(ModelError::TooLarge)?;
+        let (blob, camera, mode) = (&self.blob, &scene.camera, scene.mode);
+        let mut shadows = shadow.for_scene(blob, scene, watch);
         let mut frame =
             Frame::new(words, camera.width, camera.height).ok_or(ModelError::TooLarge)?;
-        let mut buffers = Buffers { coverage, depth };
         watch.time(Phase::Clear, || {
-            frame.clear_to(BACKGROUND);
-            buffers.clear(*mode);
+            frame.clear_to(blob.background());
+            Buffers { coverage, depth }.clear(mode);
         });
-        watch
-            .time(Phase::Draw, || match &shadows {
-                None => draw_mode(*mode, grid, view, &shading, &mut frame, &mut buffers),
-                Some((tables, map)) => {
-                    let shade = tables.over(&shading, map);
-                    draw_mode(*mode, grid, view, &shade, &mut frame, &mut buffers)
+        for turn in arrangement.turns() {
+            let Some(placed) = place(blob, *turn, scene, view, watch)? else {
+                continue;
+            };
+            let layout = placed.grid.layout();
+            let shading = watch
+                .time(Phase::ShadingTables, || {
+                    let lighting = placed.lighting(blob, scene.light);
+                    Shading::of_instance(colours, layout, blob, &placed.instance, &lighting)
+                })
+                .ok_or(ModelError::TooLarge)?;
+            if let Some(shadows) = &mut shadows {
+                shadows.see(&placed, watch);
+            }
+            let unit = arrangement.unit();
+            watch.time(Phase::Draw, || {
+                let mut turn = InWords {
+                    turn: *turn,
+                    placed: &placed,
+                    view,
+                    unit,
+                    coverage,
+                    depth,
+                };
+                match &shadows {
+                    None => turn.draw(&shading, &mut frame),
+                    Some(Seen { tables, map, .. }) => {
+                        turn.draw(&tables.over(&shading, map), &mut frame)
+                    }
                 }
-            })
-            .map_err(|_| ModelError::TooLarge)
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// The turn of an instance into words.
+struct InWords<'a, 'g> {
+    turn: Turn,
+    placed: &'a Placed<'g>,
+    view: &'a View,
+    unit: Option<u32>,
+    coverage: &'a mut [u32],
+    depth: &'a mut [u16],
+}
+
+impl InWords<'_, '_> {
+    fn draw(
+        &mut self,
+        shading: &impl Shade,
+        frame: &mut Frame<'_>,
+    ) -> Result<Option<Rect>, ModelError> {
+        let (placed, view, unit) = (self.placed, self.view, self.unit);
+        match placed.mode.visibility {
+            VisibilityMode::Eye => {
+                let target = EyeOrder::new(frame, self.coverage);
+                let target = &mut target.ok_or(ModelError::TooLarge)?;
+                draw_turn::<Every, _>(self.turn, placed, view, shading, unit, target, self.depth)
+            }
+            VisibilityMode::Z => {
+                let target = ZBuffer::<_, false>::new(frame, self.depth);
+                let mut target = target.ok_or(ModelError::TooLarge)?;
+                if let Some(unit) = unit {
+                    target = target.scaled(placed.depth_factor(view, unit));
+                }
+                let target = &mut target;
+                Ok(draw_seen(placed.mode, &placed.grid, view, shading, target))
+            }
+        }
     }
 }

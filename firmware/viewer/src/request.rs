@@ -3,7 +3,7 @@
 //! ```text
 //! picture=model rotation=1073741824;0;0;0;1073741824;0;0;0;1073741824
 //!   translation=0;0;-2399456 focal=1582163 size=240;320 light=6521;9781;11412
-//!   visibility=eye footprint=box reciprocal=divide frame=words grid=0 cell_size=128
+//!   visibility=eye footprint=box reciprocal=divide frame=words grid=0 fineness=none cell_size=128
 //!   shadows=two-pass shadow_map=128 light_splat=2
 //! ```
 //!
@@ -18,7 +18,7 @@ use core::num::IntErrorKind;
 
 use heapless::String;
 use rho_grid::camera::Camera;
-use rho_grid::mode::{LightSplat, MapSize, Mode, UnknownName};
+use rho_grid::mode::{LightSplat, MapSize, Mode, Preset, UnknownName};
 use rho_grid::q::{Focal, Length, PixelSize, Rotation, Unit};
 
 /// The longest line: every number at its longest is 305 bytes.
@@ -119,13 +119,14 @@ enum Key {
     Reciprocal,
     Frame,
     Grid,
+    Fineness,
     CellSize,
     Shadows,
     ShadowMap,
     LightSplat,
 }
 
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "picture",
     "rotation",
     "translation",
@@ -137,6 +138,7 @@ const KEYS: [&str; 15] = [
     "reciprocal",
     "frame",
     "grid",
+    "fineness",
     "cell_size",
     "shadows",
     "shadow_map",
@@ -206,6 +208,18 @@ impl<'a> Parts<'a> {
                 key: KEYS[key as usize],
                 expected: e.expected,
             })
+    }
+
+    /// The same, or the word `none`.
+    fn choice_or_none<T: core::str::FromStr<Err = UnknownName>>(
+        &mut self,
+        key: Key,
+    ) -> Result<Option<T>, RequestError> {
+        if self.0[key as usize] == Some("none") {
+            self.0[key as usize] = None;
+            return Ok(None);
+        }
+        self.choice(key).map(Some)
     }
 
     fn nothing_left(&self) -> Result<(), RequestError> {
@@ -330,6 +344,7 @@ impl Scene {
                     let [index] = parts.numbers(Key::Grid, 0, u16::MAX.into())?;
                     narrow!(index, u16, "grid")?
                 },
+                fineness: parts.choice_or_none(Key::Fineness)?,
                 cell_size: {
                     let [bits] = parts.numbers(Key::CellSize, 0, u16::MAX.into())?;
                     PixelSize::from_bits(narrow!(bits, u16, "cell_size")?)
@@ -388,7 +403,8 @@ impl fmt::Display for Request {
         write!(
             f,
             " rotation={} translation={} focal={} size={};{} light={} visibility={} footprint={} \
-             reciprocal={} frame={} grid={} cell_size={} shadows={} shadow_map={} light_splat={}",
+             reciprocal={} frame={} grid={} fineness={} cell_size={} shadows={} shadow_map={} \
+             light_splat={}",
             List(
                 camera
                     .rotation
@@ -405,6 +421,7 @@ impl fmt::Display for Request {
             mode.reciprocal,
             mode.frame,
             mode.grid,
+            mode.fineness.map_or("none", Preset::name),
             mode.cell_size.to_bits(),
             mode.shadows,
             mode.shadow_map.side(),
@@ -434,6 +451,7 @@ mod tests {
                 proptest::sample::select(ReciprocalMode::ALL),
                 proptest::sample::select(FrameMode::ALL),
                 any::<u16>(),
+                proptest::option::of(proptest::sample::select(Preset::ALL)),
                 any::<u16>(),
             ),
             (
@@ -449,7 +467,7 @@ mod tests {
                     focal,
                     (width, height),
                     light,
-                    (v, f, d, frame, grid, cell),
+                    (v, f, d, frame, grid, fineness, cell),
                     (shadows, shadow_map, splat),
                 )| Scene {
                     camera: Camera {
@@ -467,6 +485,7 @@ mod tests {
                         reciprocal: d,
                         frame,
                         grid,
+                        fineness,
                         cell_size: PixelSize::from_bits(cell),
                         shadows,
                         shadow_map,
@@ -488,6 +507,8 @@ mod tests {
             light: [Unit::from_bits(-(1 << 14)); 3],
             mode: Mode {
                 footprint: FootprintMode::Splat,
+                grid: u16::MAX,
+                fineness: Some(Preset::Balanced),
                 cell_size: PixelSize::MAX,
                 shadows: ShadowMode::TwoPass,
                 ..Mode::default()

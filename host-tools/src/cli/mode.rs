@@ -16,12 +16,12 @@ use crate::failure::{Failure, Outcome};
 #[derive(Args, Clone, Copy, Debug, Default)]
 #[command(next_help_heading = "Mode")]
 pub struct ModeArgs {
-    /// How fine, by a name for all of the following: fast, balanced, fine [default: balanced]; a
+    /// How fine, by a name for all of the following: fast, balanced, fine, finest [default: balanced]; a
     /// flag beside it overrides its part
     #[arg(long, value_name = "NAME")]
     preset: Option<Preset>,
-    /// Which grid of a blob that has several, counted from 0 as `rho info` does [default: by the
-    /// object's size on the screen]
+    /// Which grid of a blob that has several, counted from 0 as `rho info` does; of a scene, of each
+    /// object's grids [default: by the object's size on the screen]
     #[arg(long, value_name = "N")]
     grid: Option<u16>,
     /// How the nearest sample of a pixel is found: eye, z
@@ -33,7 +33,8 @@ pub struct ModeArgs {
     /// How 1/w is found: divide, table
     #[arg(long, value_name = "NAME")]
     reciprocal: Option<ReciprocalMode>,
-    /// What the frame is kept in: words (RGB565), tones (a byte a pixel; eye order only)
+    /// What the frame is kept in: words (RGB565), tones (a byte a pixel; eye order only), quarters (a
+    /// byte a quarter of a pixel, blended; eye order only)
     #[arg(long, value_name = "NAME")]
     frame: Option<FrameMode>,
     /// A cell at most this large on the screen is drawn from its own sample
@@ -83,11 +84,11 @@ impl ModeArgs {
         let preset = preset.mode(blob, camera);
         let visibility = self.visibility.unwrap_or(preset.visibility);
         let frame = match (visibility, self.frame) {
-            (VisibilityMode::Z, Some(FrameMode::Tones)) => {
-                return Err(
-                    Failure::input("a frame of tones is drawn in eye order alone")
-                        .help("leave --visibility z away, or take --frame words"),
-                );
+            (VisibilityMode::Z, Some(FrameMode::Tones | FrameMode::Quarters)) => {
+                return Err(Failure::input(
+                    "a frame of tones or quarters is drawn in eye order alone",
+                )
+                .help("leave --visibility z away, or take --frame words"));
             }
             (_, Some(frame)) => frame,
             (VisibilityMode::Eye, None) => preset.frame,
@@ -99,6 +100,7 @@ impl ModeArgs {
             reciprocal: self.reciprocal.unwrap_or(preset.reciprocal),
             frame,
             grid: self.grid.unwrap_or(preset.grid),
+            fineness: preset.fineness.filter(|_| self.grid.is_none()),
             cell_size: self.cell_size.unwrap_or(preset.cell_size),
             shadows: self.shadows.unwrap_or(preset.shadows),
             shadow_map: self.shadow_map.unwrap_or(preset.shadow_map),
@@ -111,7 +113,7 @@ impl ModeArgs {
     pub fn warning(mode: Mode, blob: &Blob<'_>) -> Option<&'static str> {
         let centred = |grid: Grid<'_>| grid.layout().offset == 0;
         let discs = mode.footprint == FootprintMode::Disc;
-        (discs && blob.grid(mode.grid).is_some_and(centred)).then_some(
+        (discs && mode.fineness.is_none() && blob.grid(mode.grid).is_some_and(centred)).then_some(
             "this blob's samples have no offsets, and discs at the cells' centres leave holes: \
              bake it with --thin --layout offset, or use --footprint box",
         )

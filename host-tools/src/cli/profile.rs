@@ -21,7 +21,6 @@ use crate::profile::place::Places;
 use crate::profile::thumb::Class;
 use crate::profile::{self, Profile, Work};
 use crate::qemu::Job;
-use crate::render;
 use crate::text::thousands;
 use crate::view::ViewArgs;
 
@@ -102,14 +101,14 @@ impl ProfileArgs {
     pub fn run(&self) -> Outcome {
         let file = BlobFile::read(&self.model)?;
         let blob = file.blob()?;
-        let camera = self.view.view().camera()?;
+        let camera = self.view.camera(Some(&blob))?;
         let mode = self.mode.mode(&blob, &camera)?;
         if let Some(warning) = ModeArgs::warning(mode, &blob) {
             eprintln!("warning: {warning}");
         }
         let request = Request::Model(Scene {
             camera,
-            light: render::light(self.view.light()),
+            light: self.view.towards(Some(&blob)),
             mode,
         });
         let firmware = Firmware::named_or_built(self.firmware.as_deref(), self.core)?;

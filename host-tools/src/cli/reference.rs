@@ -12,7 +12,7 @@ use crate::failure::{Failure, Outcome};
 use crate::geometry::procedural;
 use crate::reference::scene::SceneCaster;
 use crate::reference::{Caster, Shot, Truth};
-use crate::scene::Scene;
+use crate::scene::{self, Scene};
 use crate::source::{self, ModelArgs, Shape};
 use crate::view::ViewArgs;
 
@@ -87,10 +87,7 @@ impl Reference {
     /// Exit 2: the model cannot be used, the view is out of range, or a file cannot be written.
     pub fn run(&self) -> Outcome {
         let started = Instant::now();
-        let scene = if Path::new(&self.model)
-            .extension()
-            .is_some_and(|e| e == "toml")
-        {
+        let scene = if scene::is_file(&self.model) {
             let path = source::find(&self.model, self.model_args.models.as_deref())?;
             Some(Scene::read(&path, self.model_args.models.as_deref())?)
         } else {

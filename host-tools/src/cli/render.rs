@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use rho_grid::mode::Preset;
 use serde_json::json;
 
 use crate::blob_file::BlobFile;
 use crate::cli::mode::ModeArgs;
 use crate::depth::Depth;
 use crate::failure::{Failure, Outcome};
-use crate::picture::Picture;
 use crate::render;
 use crate::view::ViewArgs;
 
@@ -69,12 +69,12 @@ impl Render {
         }
         let file = BlobFile::read(&self.blob)?;
         let blob = file.blob()?;
-        let view = self.view_args.view();
-        let mode = self.mode_args.mode(&blob, &view.camera()?)?;
+        let camera = self.view_args.camera(Some(&blob))?;
+        let mode = self.mode_args.mode(&blob, &camera)?;
         if let Some(warning) = ModeArgs::warning(mode, &blob).filter(|_| !self.quiet) {
             eprintln!("warning: {warning}");
         }
-        let drawn = render::render(&blob, &view, self.view_args.light(), mode)?;
+        let drawn = render::render_from(&blob, &camera, self.view_args.towards(Some(&blob)), mode)?;
         let (width, height) = (u32::from(drawn.width), u32::from(drawn.height));
         if let Some(path) = &self.depth {
             let values = drawn.depth.iter().copied().map(f64::from).collect();
@@ -85,7 +85,7 @@ impl Render {
             };
             depth.write(path)?;
         }
-        Picture::from_rgb565(width, height, &drawn.words).write(&self.output)?;
+        drawn.picture().write(&self.output)?;
         let crc32 = format!("{:08x}", drawn.crc32());
         if self.json {
             println!(
@@ -100,6 +100,7 @@ impl Render {
                     "reciprocal": mode.reciprocal.name(),
                     "frame": mode.frame.name(),
                     "grid": mode.grid,
+                    "fineness": mode.fineness.map(Preset::name),
                     "cell_size": mode.cell_size.to_num::<f64>(),
                     "shadows": mode.shadows.name(),
                     "shadow_map": mode.shadow_map.side(),

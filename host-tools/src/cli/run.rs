@@ -88,7 +88,8 @@ impl RunArgs {
     /// # Errors
     /// See [`device::run`]; and when a file cannot be read or written.
     pub fn run(&self) -> Outcome {
-        let camera = self.view.view().camera()?;
+        // Before a model is read: a wrong flag should not cost a second.
+        self.view.view().camera()?;
         let mut baked = String::new();
         let file = self.model.as_deref().map(BlobFile::read).transpose()?;
         // The device checks it again; here a broken one is told with what to do.
@@ -101,13 +102,14 @@ impl RunArgs {
                     .help("name a baked one, or draw the test card: --picture test-card"));
             }
             (Subject::Model, Some(blob)) => {
+                let camera = self.view.camera(Some(blob))?;
                 let mode = self.mode.mode(blob, &camera)?;
                 if let Some(warning) = ModeArgs::warning(mode, blob) {
                     eprintln!("warning: {warning}");
                 }
                 Request::Model(Scene {
                     camera,
-                    light: render::light(self.view.light()),
+                    light: self.view.towards(Some(blob)),
                     mode,
                 })
             }
@@ -116,8 +118,7 @@ impl RunArgs {
             let samples: u64 = blob.grids().map(|g| u64::from(g.leaf_samples())).sum();
             baked = format!(", {samples} samples in {} B of flash", file.bytes().len());
         }
-        let model = file;
-        let model = model.as_ref().map(BlobFile::bytes);
+        let model = file.as_ref().map(BlobFile::bytes);
         let firmware = Firmware::named_or_built(self.firmware.as_deref(), self.core)?;
         let run = device::run(&firmware, model, &request, self.timeout)?;
         if self.verbose {
@@ -127,8 +128,15 @@ impl RunArgs {
         }
         let run = run.done()?;
         if let Some(output) = &self.output {
-            let (width, height) = (run.report.width.into(), run.report.height.into());
-            Picture::from_rgb565(width, height, &run.words).write(output)?;
+            let (width, height) = (run.report.width, run.report.height);
+            let picture = match (&request, &blob) {
+                (Request::Model(scene), Some(blob)) => {
+                    let drawn = (width, height, run.words.as_slice());
+                    render::picture(drawn, blob, &scene.camera, scene.light, scene.mode)?
+                }
+                _ => Picture::from_rgb565(width.into(), height.into(), &run.words),
+            };
+            picture.write(output)?;
         }
         if self.json {
             println!("{}", self.object(&request, &firmware, model, &run));

@@ -12,7 +12,6 @@
 //! diffuse. Rays are turned into each object's own cube, so that instances share one hierarchy.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::bvh::Bvh;
 use super::ray::Ray;
@@ -21,24 +20,19 @@ use crate::colour::Colour;
 use crate::failure::Outcome;
 use crate::mesh::Mesh;
 use crate::model::LoadOptions;
-use crate::scene::{Instance, Pivot, Scene, Transform};
+use crate::scene::fit::{Fitted, fit, square};
+use crate::scene::{Scene, Transform};
 
-/// A mesh made ready for rays, and where its foot is.
+/// A mesh made ready for rays.
 struct Original {
     mesh: Mesh,
     bvh: Bvh,
-    /// The middle of the lower face of its bounding box.
-    foot: DVec3,
 }
 
 impl Original {
     fn new(mesh: Mesh) -> Self {
-        let places = || mesh.positions.iter().copied();
-        let low = places().reduce(DVec3::min).unwrap_or(DVec3::ZERO);
-        let high = places().reduce(DVec3::max).unwrap_or(DVec3::ZERO);
         Self {
             bvh: Bvh::new(&mesh),
-            foot: (0.5 * (low + high)).with_y(low.y),
             mesh,
         }
     }
@@ -92,48 +86,30 @@ impl<'a> SceneCaster<'a> {
             which.push(originals.len());
             originals.push(Original::new(model.mesh().into_owned()));
         }
-        let mut placed: Vec<Placed> = scene
-            .instances
-            .iter()
-            .map(|instance| place(instance, which[instance.source], &originals))
+        let meshes: Vec<&Mesh> = which.iter().map(|&i: &usize| &originals[i].mesh).collect();
+        let Fitted { instances, ground } = fit(scene, &meshes);
+        let places = scene.instances.iter().zip(instances);
+        let mut placed: Vec<Placed> = places
+            .map(|(instance, transform)| Placed {
+                original: which[instance.source],
+                transform,
+                material: instance.material,
+            })
             .collect();
-        if let Some(ground) = &scene.ground {
+        if let (Some(ground), Some(transform)) = (&scene.ground, ground) {
             placed.push(Placed {
                 original: originals.len(),
-                transform: Transform {
-                    scale: ground.size,
-                    rotation: glam::DMat3::IDENTITY,
-                    translation: ground.height * DVec3::Y,
-                },
+                transform,
                 material: Some(ground.material),
             });
-            originals.push(Original::new(square()));
+            originals.push(Original::new(square(0.0)));
         }
-        let mut caster = Self {
+        Ok(Self {
             scene,
             originals,
             placed,
             warnings,
-        };
-        caster.fit();
-        Ok(caster)
-    }
-
-    /// Brings all into the cube.
-    fn fit(&mut self) {
-        let all = || {
-            self.placed.par_iter().flat_map_iter(|placed| {
-                let mesh = &self.originals[placed.original].mesh;
-                mesh.positions.iter().map(|&p| placed.transform.place(p))
-            })
-        };
-        let low = all().reduce(|| DVec3::INFINITY, DVec3::min);
-        let high = all().reduce(|| DVec3::NEG_INFINITY, DVec3::max);
-        let (middle, side) = (0.5 * (low + high), (high - low).max_element());
-        for Placed { transform, .. } in &mut self.placed {
-            transform.scale /= side;
-            transform.translation = (transform.translation - middle) / side;
-        }
+        })
     }
 
     /// Takes a picture; `row_done` is called once for each row, from any thread. The shot's own
@@ -260,34 +236,6 @@ impl<'a> SceneCaster<'a> {
             sum += channels(light.colour) / 255.0 * shade(light.direction);
         }
         sum
-    }
-}
-
-fn place(instance: &Instance, original: usize, originals: &[Original]) -> Placed {
-    let mut transform = instance.transform;
-    if instance.pivot == Pivot::Foot {
-        transform.translation = transform.place(-originals[original].foot);
-    }
-    Placed {
-        original,
-        transform,
-        material: instance.material,
-    }
-}
-
-/// The ground: side 1, about the origin, facing up.
-fn square() -> Mesh {
-    let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z);
-    Mesh {
-        positions: vec![
-            corner(-0.5, -0.5),
-            corner(-0.5, 0.5),
-            corner(0.5, 0.5),
-            corner(0.5, -0.5),
-        ],
-        normals: vec![DVec3::Y; 4],
-        colours: Vec::new(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use glam::{DMat3, DVec3};
-use rho_grid::blob::format::MAX_MATERIALS;
+use rho_grid::blob::format::{MAX_INSTANCES, MAX_LIGHTS, MAX_MATERIALS};
 use serde::Deserialize;
 use toml::{Spanned, Table, Value};
 
@@ -118,8 +118,13 @@ pub(super) fn parse(text: &str, folders: &[&Path]) -> Result<Scene, Bad> {
         sources: Vec::new(),
         instances: Vec::new(),
     };
+    let most = MAX_INSTANCES - usize::from(scene.ground.is_some());
     for object in &file.object {
         add(&mut scene, object.get_ref(), folders)?;
+        if scene.instances.len() > most {
+            let what = format!("there are more than {MAX_INSTANCES} objects, copies and ground");
+            return Err(Bad::new(object.span(), what).help("leave some of them out"));
+        }
     }
     if scene.instances.is_empty() && scene.ground.is_none() {
         return Err(Bad::new(0..0, "the scene has no object")
@@ -203,6 +208,10 @@ fn lights(file: &[FileLight]) -> Result<Vec<Light>, Bad> {
                     .help("let one light cast shadows"),
             );
         }
+        if lights.len() == MAX_LIGHTS {
+            let what = format!("there are more than {MAX_LIGHTS} lights");
+            return Err(Bad::new(light.direction.span(), what).help("leave out the faintest"));
+        }
         lights.push(Light {
             direction: direction.normalize(),
             colour: light.colour.unwrap_or(Colour([255; 3])),
@@ -234,7 +243,8 @@ fn add(scene: &mut Scene, file: &FileObject, folders: &[&Path]) -> Result<(), Ba
         object: object(file, folders)?,
         up: up(file.up.as_ref())?,
         sequence: sequence(file.rho.as_ref())?,
-        separation: if file.thin {
+        // Unless it says otherwise, it is cut as the presets want it.
+        separation: if file.thin || file.rho.is_none() {
             Separation::Six
         } else {
             Separation::TwentySix
@@ -336,9 +346,11 @@ fn up(file: Option<&Spanned<String>>) -> Result<Up, Bad> {
     }
 }
 
-fn sequence(file: Option<&Spanned<Vec<u8>>>) -> Result<Sequence, Bad> {
-    let (levels, at) = file.map_or((&[3; 5][..], 0..0), |rho| (rho.get_ref(), rho.span()));
-    Sequence::new(levels).map_err(|failure| Bad::new(at, failure.message))
+fn sequence(file: Option<&Spanned<Vec<u8>>>) -> Result<Option<Sequence>, Bad> {
+    let sequence = file.map(|rho| {
+        Sequence::new(rho.get_ref()).map_err(|failure| Bad::new(rho.span(), failure.message))
+    });
+    sequence.transpose()
 }
 
 fn material(name: &Spanned<String>, materials: &[Material]) -> Result<usize, Bad> {

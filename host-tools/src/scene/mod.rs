@@ -5,7 +5,9 @@
 //! [`Source`]; an [`Instance`] is a transform. Lengths are the scene's own; an object without
 //! a transform fills the cube of side 1 about the origin.
 
+pub mod bake;
 mod file;
+pub mod fit;
 mod place;
 
 use std::path::{Path, PathBuf};
@@ -20,6 +22,12 @@ use crate::model::{LoadOptions, Up};
 use crate::sampling::{Separation, Sequence};
 use crate::source::{self, Model};
 use crate::view::View;
+
+/// Whether a name on the command line is that of a scene file.
+#[must_use]
+pub fn is_file(name: &str) -> bool {
+    Path::new(name).extension().is_some_and(|e| e == "toml")
+}
 
 /// A scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +83,8 @@ pub struct Ground {
     pub size: f64,
     /// Which of the materials.
     pub material: usize,
-    /// How its cube is cut.
-    pub sequence: Sequence,
+    /// How its cube is cut, if the scene says.
+    pub sequence: Option<Sequence>,
 }
 
 /// What an object is made of, and how it is cut.
@@ -86,8 +94,8 @@ pub struct Source {
     pub object: Object,
     /// Which way is up in its file.
     pub up: Up,
-    /// How its cube is cut.
-    pub sequence: Sequence,
+    /// How its cube is cut, if the scene says.
+    pub sequence: Option<Sequence>,
     /// Which cells are leaves.
     pub separation: Separation,
 }

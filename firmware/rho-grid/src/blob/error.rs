@@ -68,7 +68,25 @@ pub enum BlobError {
         /// Node within the level.
         node: u32,
     },
-    /// A sample names a material that the blob does not have.
+    /// An object names grids or materials that the blob does not have, or an empty box.
+    Object {
+        /// Which, counted from 0.
+        object: u16,
+    },
+    /// An instance names an object or a material that the blob does not have, or its transform is
+    /// none.
+    Instance {
+        /// Which, counted from 0.
+        instance: u16,
+    },
+    /// A light's direction is not of length 1.
+    Light {
+        /// Which, counted from 0.
+        light: u16,
+    },
+    /// The camera is none.
+    Camera,
+    /// A sample names a material that the blob or its object does not have.
     Material {
         /// Node, counted over all levels that have samples.
         node: u32,
@@ -111,6 +129,10 @@ impl fmt::Display for BlobError {
             Self::Children { level, node } => {
                 write!(f, "blob invalid: children of node {node}, level {level}")
             }
+            Self::Object { object } => write!(f, "blob invalid: object {object}"),
+            Self::Instance { instance } => write!(f, "blob invalid: instance {instance}"),
+            Self::Light { light } => write!(f, "blob invalid: light {light}"),
+            Self::Camera => write!(f, "blob invalid: camera"),
             Self::Material { node } => write!(f, "blob invalid: material of node {node}"),
         }
     }

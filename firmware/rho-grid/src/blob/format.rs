@@ -22,8 +22,24 @@ pub const MAX_CELLS: u32 = 4096;
 pub const BASE_NODES: usize = 512;
 /// Bytes of a material.
 pub const MATERIAL_BYTES: usize = 20;
-/// Most materials of a blob.
+/// Most materials of an object: a sample has three bits to name one.
 pub const MAX_MATERIALS: usize = 8;
+/// Most materials of a blob with several objects.
+pub const MAX_SCENE_MATERIALS: usize = 32;
+/// Bytes of an object.
+pub const OBJECT_BYTES: usize = 20;
+/// Bytes of an instance.
+pub const INSTANCE_BYTES: usize = 56;
+/// Most instances of a blob: bounds the tables that put them in order.
+pub const MAX_INSTANCES: usize = 128;
+/// The material of an instance that shows its samples' own.
+pub const OWN_MATERIAL: u16 = 0xFFFF;
+/// Bytes of a light.
+pub const LIGHT_BYTES: usize = 16;
+/// Most lights of a blob.
+pub const MAX_LIGHTS: usize = 4;
+/// Bytes of camera and background.
+pub const CAMERA_BYTES: usize = 60;
 /// A reader may pass over a section it does not know if this bit of its kind is set.
 pub const OPTIONAL: u16 = 0x8000;
 
@@ -39,6 +55,14 @@ pub mod kind {
     pub const ATTRIBUTES: u16 = 4;
     /// Materials.
     pub const MATERIALS: u16 = 5;
+    /// Objects: which grids are the same thing, coarse and fine.
+    pub const OBJECTS: u16 = 6;
+    /// Instances: objects at their places.
+    pub const INSTANCES: u16 = 7;
+    /// Lights.
+    pub const LIGHTS: u16 = 8;
+    /// Camera and background.
+    pub const CAMERA: u16 = 9;
     /// Where the blob comes from, as text.
     pub const ORIGIN: u16 = 0x8001;
 }

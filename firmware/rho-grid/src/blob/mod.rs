@@ -10,14 +10,16 @@ pub mod error;
 pub mod format;
 mod grid;
 pub mod layout;
+pub mod scene;
 
 pub use error::BlobError;
 pub use grid::{Grid, Level};
 pub use layout::Layout;
+pub use scene::{Instance, Light, Object};
 
 use format::{
-    CRC, ENTRY_BYTES, HEADER_BYTES, MAGIC, MATERIAL_BYTES, MAX_MATERIALS, MAX_SECTIONS, OPTIONAL,
-    PAGE_BYTES, VERSION, kind,
+    CRC, ENTRY_BYTES, HEADER_BYTES, MAGIC, MATERIAL_BYTES, MAX_MATERIALS, MAX_SCENE_MATERIALS,
+    MAX_SECTIONS, OPTIONAL, PAGE_BYTES, VERSION, kind,
 };
 
 /// A checked blob; see the module's page for what holding one proves.
@@ -27,8 +29,8 @@ pub struct Blob<'a> {
     grids: u16,
 }
 
-/// How a surface answers light: `ambient + diffuse * max(0, n.l)`, each 32768 = 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How a surface answers light ([`crate::lighting`] has the formula), each 32768 = 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Material {
     /// Red, green, blue in the shade.
     pub ambient: [u16; 3],
@@ -38,6 +40,18 @@ pub struct Material {
     pub specular: [u16; 3],
     /// Phong exponent.
     pub exponent: u16,
+}
+
+impl Material {
+    fn read(m: &[u8]) -> Self {
+        let rgb = |at| [u16_at(m, at), u16_at(m, at + 2), u16_at(m, at + 4)];
+        Self {
+            ambient: rgb(0),
+            diffuse: rgb(6),
+            specular: rgb(12),
+            exponent: u16_at(m, 18),
+        }
+    }
 }
 
 /// One entry of the directory.
@@ -126,19 +140,25 @@ impl<'a> Blob<'a> {
         blob.check_directory(body)?;
         let materials = blob.required(kind::MATERIALS, 0)?;
         let count = materials.len() / MATERIAL_BYTES;
-        if count == 0 || count > MAX_MATERIALS || !materials.len().is_multiple_of(MATERIAL_BYTES) {
+        let most = match blob.find(kind::OBJECTS, 0) {
+            Some(_) => MAX_SCENE_MATERIALS,
+            None => MAX_MATERIALS,
+        };
+        if count == 0 || count > most || !materials.len().is_multiple_of(MATERIAL_BYTES) {
             return Err(BlobError::Section {
                 kind: kind::MATERIALS,
             });
         }
         while blob.find(kind::GRID, blob.grids).is_some() {
-            Grid::check(&blob, blob.grids, count)?;
+            let of_object = blob.sample_materials(blob.grids);
+            Grid::check(&blob, blob.grids, of_object.unwrap_or(count))?;
             blob.grids += 1;
         }
         if blob.grids == 0 {
             return Err(BlobError::MissingSection { kind: kind::GRID });
         }
         blob.check_owners()?;
+        blob.check_scene()?;
         Ok(blob)
     }
 
@@ -170,20 +190,20 @@ impl<'a> Blob<'a> {
         (0..self.grids).filter_map(move |index| blob.grid(index))
     }
 
-    /// The materials, 1 to 8.
+    /// The materials: 1 to 8, with several objects up to 32.
     pub fn materials(&self) -> impl ExactSizeIterator<Item = Material> + use<'a> {
         self.find(kind::MATERIALS, 0)
             .unwrap_or_default()
             .chunks_exact(MATERIAL_BYTES)
-            .map(|m| {
-                let rgb = |at| [u16_at(m, at), u16_at(m, at + 2), u16_at(m, at + 4)];
-                Material {
-                    ambient: rgb(0),
-                    diffuse: rgb(6),
-                    specular: rgb(12),
-                    exponent: u16_at(m, 18),
-                }
-            })
+            .map(Material::read)
+    }
+
+    /// Material `index`, if there is one.
+    #[must_use]
+    pub fn material(&self, index: u16) -> Option<Material> {
+        let bytes = self.find(kind::MATERIALS, 0).unwrap_or_default();
+        let mut all = bytes.chunks_exact(MATERIAL_BYTES);
+        all.nth(index.into()).map(Material::read)
     }
 
     /// Where the blob comes from: lines `key=value`; empty when it does not say.
@@ -216,7 +236,7 @@ impl<'a> Blob<'a> {
             let kind = u16_at(self.bytes, entry);
             let offset = u32_at(self.bytes, entry + 4) as usize;
             let length = u32_at(self.bytes, entry + 8) as usize;
-            if kind & OPTIONAL == 0 && !(kind::GRID..=kind::MATERIALS).contains(&kind) {
+            if kind & OPTIONAL == 0 && !(kind::GRID..=kind::CAMERA).contains(&kind) {
                 return Err(BlobError::UnknownSection { kind });
             }
             let last = offset.checked_add(length);
@@ -233,9 +253,9 @@ impl<'a> Blob<'a> {
 
     /// Each part of a grid belongs to one that is there, and no section is there twice.
     fn check_owners(&self) -> Result<(), BlobError> {
-        let known = kind::GRID..=kind::MATERIALS;
+        let known = kind::GRID..=kind::CAMERA;
         for section in self.sections().filter(|s| known.contains(&s.kind)) {
-            let owners = if section.kind == kind::MATERIALS {
+            let owners = if section.kind >= kind::MATERIALS {
                 1
             } else {
                 self.grids

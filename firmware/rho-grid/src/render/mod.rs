@@ -13,6 +13,7 @@ mod disc;
 pub mod footprint;
 mod order;
 mod project;
+mod quarters;
 pub mod shadow;
 mod stamp;
 mod tones;
@@ -20,11 +21,13 @@ mod traverse;
 mod view;
 mod visibility;
 
+pub use crate::camera::ViewError;
+pub use quarters::{Blend, bands, quarter_words};
 pub use shadow::ShadowView;
 pub use tones::{Tones, tone_words};
 pub use traverse::draw;
-pub use view::{View, ViewError};
-pub use visibility::{EyeOrder, Rect, Shape, Stamp, Visibility, ZBuffer};
+pub use view::View;
+pub use visibility::{Canvas, EyeOrder, Rect, Shape, Stamp, Visibility, ZBuffer};
 
 use crate::blob::Grid;
 use crate::frame::Frame;
@@ -74,7 +77,8 @@ pub fn draw_mode(
             let _ = draw_seen(mode, grid, view, shading, &mut target);
         }
         VisibilityMode::Z => {
-            let mut target = ZBuffer::new(frame, buffers.depth).ok_or(BufferTooSmall)?;
+            let target = ZBuffer::<_, false>::new(frame, buffers.depth);
+            let mut target = target.ok_or(BufferTooSmall)?;
             let _ = draw_seen(mode, grid, view, shading, &mut target);
         }
     }

@@ -177,11 +177,18 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             if leaf || self.level(child_level).stop_w <= cell.centre.w {
                 let first = self.first(child_level);
                 self.sample::<F>(&cell, child_level, first + cell.node);
-            } else if !self.target.is_hidden(pixels) {
+            } else if !self.is_behind(pixels, cell.centre, child_level) {
                 open += usize::from(self.enter::<F, R>(cell, child_level, &mut stack));
             }
         }
         Some(reach)
+    }
+
+    /// Whether a cell of `level` that reaches these pixels is behind what is drawn.
+    #[inline(always)]
+    fn is_behind(&self, pixels: Rect, centre: Homogeneous, level: usize) -> bool {
+        let nearest = centre.w - self.level(level).half.w;
+        self.target.is_behind(pixels, nearest)
     }
 
     /// The whole cube; `None` when it is behind the eye.
@@ -328,7 +335,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             mask: open.mask,
         };
         let eye = self.eye_slab(children, cell.place, RHO as i32);
-        let inside = self.is_inside(&cell.bounds, group.steps.half);
+        let inside = self.is_inside(&cell.bounds, group.steps.half, self.view.rows);
         let stencil = group.stencil::<F, RHO>(inside);
         self.samples::<F, RHO>(&from, level, Order::new(eye), &stencil);
     }
@@ -372,7 +379,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         let [ox, oy, oz] = open.place.map(|p| p * rho);
 
         let overhang = self.level(level + 1).overhang;
-        let inside = self.is_inside(bounds, group.steps.half);
+        let inside = self.is_inside(bounds, group.steps.half, self.view.rows);
         let stencil = group.stencil::<F, RHO>(inside);
         for &subcell in open.list.iter().take(usize::from(open.count)) {
             let Some(d) = displacements.get(usize::from(subcell)) else {
@@ -390,7 +397,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             let Some(rect) = self.clip(F::reach(bounds, overhang)) else {
                 continue;
             };
-            if self.target.is_hidden(rect) {
+            if self.is_behind(rect, centre, level + 1) {
                 continue;
             }
             let node = open.first_child + order::rank(&open.mask, subcell);
@@ -437,7 +444,9 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         }
         let side = view.side::<R>(inner, w);
         let reach = Stamps::overhang(side);
-        if !self.is_inside(bounds, Half { x: reach, y: reach }) {
+        // Stamps beyond the rows that are drawn are left one by one.
+        let (reach, rows) = (Half { x: reach, y: reach }, (0, view.height));
+        if !self.is_inside(bounds, reach, rows) {
             return false;
         }
         let rho = i32::from(nodes.rho);
@@ -454,6 +463,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         let Some(stamps) = Stamps::new(view, range, &steps, axis, own, side) else {
             return false;
         };
+        let stamps = stamps.deep(inner.depth_steps());
         // The eye's slab among all subcells, and among the parents.
         let eye = self.eye_slab(inner, cell.place.map(|p| p * rho), 3);
         let eye_of_parents = self.eye_slab(self.level(level + 1), cell.place, rho);
@@ -569,7 +579,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             self.clip(pixels)
         };
         match rect {
-            Some(rect) if !self.target.is_hidden(rect) => {}
+            Some(rect) if !self.target.is_behind(rect, w) => {}
             _ => return,
         }
         let word = word();
@@ -668,22 +678,22 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         }
     }
 
-    /// Whether no sample of these half extents within `block` reaches the frame's edge, with two
-    /// pixels to spare for the largest splat's rounding.
-    fn is_inside(&self, block: &Bounds, samples: Half) -> bool {
-        let within = |centre: i32, half: i32, side: i32| {
+    /// Whether no sample of these half extents within `block` reaches the frame's edge or beyond
+    /// `rows`, with two pixels to spare for the largest splat's rounding.
+    fn is_inside(&self, block: &Bounds, samples: Half, rows: (i32, i32)) -> bool {
+        let within = |centre: i32, half: i32, (first, end): (i32, i32)| {
             let reach = half + 4 * samples.x.max(samples.y) + 512;
-            centre - reach >= 0 && centre + reach < side << 8
+            centre - reach >= first << 8 && centre + reach < end << 8
         };
-        within(block.x, block.half_x, self.view.width)
-            && within(block.y, block.half_y, self.view.height)
+        within(block.x, block.half_x, (0, self.view.width)) && within(block.y, block.half_y, rows)
     }
 
-    /// The part of `pixels` within the frame.
+    /// The part of `pixels` within the rows of the frame that are drawn.
     #[inline(always)]
     fn clip(&self, pixels: Pixels) -> Option<Rect> {
         let (x0, x1) = (pixels.x.0.max(0), pixels.x.1.min(self.view.width - 1));
-        let (y0, y1) = (pixels.y.0.max(0), pixels.y.1.min(self.view.height - 1));
+        let (first, end) = self.view.rows;
+        let (y0, y1) = (pixels.y.0.max(first), pixels.y.1.min(end - 1));
         Pixels {
             x: (x0, x1),
             y: (y0, y1),

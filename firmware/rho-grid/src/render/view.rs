@@ -8,7 +8,7 @@ use super::project::{Homogeneous, OverW, slack};
 use super::stamp::Classes;
 use crate::blob::Grid;
 use crate::blob::format::MAX_SUBDIVISIONS;
-use crate::camera::Camera;
+use crate::camera::{Camera, ViewError};
 use crate::q::PixelSize;
 use crate::reciprocal::Reciprocal;
 
@@ -28,6 +28,8 @@ pub struct View {
     /// Frame size in pixels.
     pub(super) width: i32,
     pub(super) height: i32,
+    /// The first of the frame's rows that are drawn, and the one after the last.
+    pub(super) rows: (i32, i32),
     /// What [`OverW::times`] may be off at the frame's edge, Q8.
     slack: i32,
     pub(super) levels: [LevelView; MAX_SUBDIVISIONS + 1],
@@ -70,6 +72,12 @@ impl LevelView {
         eye: [0; 3],
         children: (0, 0),
     };
+
+    /// The steps in W from a cell to the next along the grid's x, y, z.
+    #[inline(always)]
+    pub(super) fn depth_steps(&self) -> [i32; 3] {
+        self.half_edges.map(|e| 2 * e.w)
+    }
 }
 
 /// Half extents on the screen, Q8, that hold for all children of a cell.
@@ -139,29 +147,6 @@ impl Slabs {
     }
 }
 
-/// The camera's numbers exceed what a frame can have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ViewError {
-    /// Width or height is 0 or above [`Camera::MAX_SIDE`].
-    Size,
-    /// The focal length is below one pixel.
-    Focal,
-    /// The rotation's rows are not of length 1.
-    Rotation,
-}
-
-impl core::fmt::Display for ViewError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Size => "camera: width and height must be 1 to 1024",
-            Self::Focal => "camera: the focal length must be at least one pixel",
-            Self::Rotation => "camera: the rotation's rows must have length 1",
-        })
-    }
-}
-
-impl core::error::Error for ViewError {}
-
 impl View {
     /// Tables not yet filled.
     #[must_use]
@@ -172,6 +157,7 @@ impl View {
             near: 0,
             width: 0,
             height: 0,
+            rows: (0, 0),
             slack: 0,
             levels: [LevelView::NONE; MAX_SUBDIVISIONS + 1],
             displacements: [Homogeneous::ZERO; MAX_DISPLACEMENTS],
@@ -192,24 +178,11 @@ impl View {
         grid: &Grid<'_>,
         cell_size: PixelSize,
     ) -> Result<(), ViewError> {
-        let sides = 1..=Camera::MAX_SIDE;
-        if !(sides.contains(&camera.width) && sides.contains(&camera.height)) {
-            return Err(ViewError::Size);
-        }
+        camera.check()?;
         let focal = i64::from(camera.focal.to_bits());
-        if focal < 1 << 12 {
-            return Err(ViewError::Focal);
-        }
         let rotation = camera
             .rotation
             .map(|row| row.map(|v| i64::from(v.to_bits())));
-        for row in rotation {
-            // Q60; rows computed in f64 and rounded are far within a thousandth.
-            let square: i64 = row.iter().map(|v| (v >> 2) * (v >> 2)).sum();
-            if (square - (1 << 56)).abs() > 1 << 47 {
-                return Err(ViewError::Rotation);
-            }
-        }
         let [right, up, back] = rotation;
         let [tx, ty, tz] = camera.translation.map(|v| i64::from(v.to_bits()));
 
@@ -236,6 +209,7 @@ impl View {
         self.near = 1 << 31u32.saturating_sub(self.k).min(29);
         self.width = i32::from(camera.width);
         self.height = i32::from(camera.height);
+        self.rows = (0, self.height);
         self.over_focal = i32::try_from((1 << 29) / focal).unwrap_or(i32::MAX);
         if grid.layout().offset > 0 {
             self.classes.turn(camera);
@@ -358,6 +332,19 @@ impl View {
             let finer = grid.cells(coarsest) / grid.cells(level).max(1);
             entry.overhang = 390 / finer.max(2) as i32 + 1;
         }
+    }
+
+    /// Columns of the frame, of quarters if it is in quarters.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width.unsigned_abs()
+    }
+
+    /// Draws only these rows of the frame from now on, until it is prepared again: those of a
+    /// [`Tones::band`](super::Tones::band). Rows beyond the frame do not count.
+    pub fn see_rows(&mut self, rows: core::ops::Range<u16>) {
+        let within = |row: u16| i32::from(row).min(self.height);
+        self.rows = (within(rows.start), within(rows.end));
     }
 
     /// The displacements of the children of cells of `level`.

@@ -27,6 +27,17 @@ impl Rect {
         }
     }
 
+    /// The least that holds both.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        Self {
+            x0: self.x0.min(other.x0),
+            x1: self.x1.max(other.x1),
+            y0: self.y0.min(other.y0),
+            y1: self.y1.max(other.y1),
+        }
+    }
+
     /// Whether it is one pixel.
     #[inline(always)]
     fn is_pixel(self) -> bool {
@@ -41,6 +52,12 @@ pub trait Visibility {
 
     /// Whether nothing behind what is drawn can show in `rect`.
     fn is_hidden(&self, rect: Rect) -> bool;
+
+    /// Whether nothing can show in `rect` whose w is at least `nearest`.
+    #[inline(always)]
+    fn is_behind(&self, rect: Rect, _nearest: i32) -> bool {
+        self.is_hidden(rect)
+    }
 
     /// Draws a sample over `rect`, where it shows; `colour` is asked for at most once. `w` is its
     /// distance along the optical axis, in the view's own unit, below 2^29.
@@ -65,6 +82,12 @@ pub trait Visibility {
         !self.is_hidden(Rect::pixel(x, y))
     }
 
+    /// Whether a pixel may show a sample of this w.
+    #[inline(always)]
+    fn shows(&self, x: u32, y: u32, _w: i32) -> bool {
+        self.is_open(x, y)
+    }
+
     /// The bytes of a frame of tones as wide as the loops in assembly have it.
     #[cfg(rho_thumb)]
     fn tones(&mut self) -> Option<&mut [u8]> {
@@ -75,6 +98,12 @@ pub trait Visibility {
     #[inline(always)]
     fn corner(&self, x: i32, y: i32) -> u32 {
         x as u32 & 0xFFFF | (y as u32) << 16
+    }
+
+    /// Whether stamps are laid whose 4 x 4 pixels begin at this one, which may lie beyond the frame.
+    #[inline(always)]
+    fn holds(&self, _x: i32, _y: i32) -> bool {
+        true
     }
 
     /// Draws a sample, where it shows, over the pixels that a mask of 4 x 4 names: bit `4 j + i` for
@@ -89,10 +118,14 @@ pub trait Visibility {
     ) {
         let x = i32::from(stamp.corner as i16) + stamp.x as i32;
         let y = ((stamp.corner as i32) >> 16) + stamp.y as i32;
+        if !self.holds(x, y) {
+            return;
+        }
         if stamp.away {
             let middle = y + ROWS as i32 / 2;
             let open = |x: i32| {
-                self.is_open(x as u32, middle as u32) || self.is_open(x as u32, middle as u32 - 1)
+                self.shows(x as u32, middle as u32, stamp.w)
+                    || self.shows(x as u32, middle as u32 - 1, stamp.w)
             };
             if !(x..x + 4).any(open) {
                 return;
@@ -128,6 +161,42 @@ pub struct Stamp {
 pub trait Shape {
     /// Which columns of row `y` it holds.
     fn row(&self, y: u32) -> impl Fn(u32) -> bool;
+}
+
+/// Pixels to paint, each of which knows whether it is still open.
+pub trait Canvas {
+    /// Columns and rows.
+    fn size(&self) -> (u16, u16);
+
+    /// The frame's row that is the first here.
+    fn first_row(&self) -> u32 {
+        0
+    }
+
+    /// Paints a pixel, also one that is covered, and covers it.
+    fn paint(&mut self, x: u32, y: u32, colour: u16);
+
+    /// The depths, a word a pixel, behind which nothing shows: 0 where a pixel is covered, 65535
+    /// where it is open.
+    fn depths(&self, depths: &mut [u16]);
+}
+
+impl Canvas for Frame<'_> {
+    fn size(&self) -> (u16, u16) {
+        (self.width(), self.height())
+    }
+
+    #[inline(always)]
+    fn paint(&mut self, x: u32, y: u32, colour: u16) {
+        let at = (y * u32::from(self.width()) + x) as usize;
+        if let Some(pixel) = self.pixels_mut().get_mut(at) {
+            *pixel = colour;
+        }
+    }
+
+    fn depths(&self, depths: &mut [u16]) {
+        depths.fill(u16::MAX);
+    }
 }
 
 /// Cells from front to back, a coverage bit a pixel: each pixel is written once.
@@ -229,6 +298,30 @@ impl Visibility for EyeOrder<'_, '_> {
     }
 }
 
+impl Canvas for EyeOrder<'_, '_> {
+    fn size(&self) -> (u16, u16) {
+        (self.frame.width(), self.frame.height())
+    }
+
+    #[inline(always)]
+    fn paint(&mut self, x: u32, y: u32, colour: u16) {
+        self.open(y * self.stride, x);
+        self.write(y * self.width + x, colour);
+    }
+
+    fn depths(&self, depths: &mut [u16]) {
+        let width = self.width as usize;
+        let covered = self.covered.chunks_exact(self.stride as usize);
+        for (depths, covered) in depths.chunks_exact_mut(width).zip(covered) {
+            for (depths, covered) in depths.chunks_mut(32).zip(covered) {
+                for (bit, depth) in depths.iter_mut().enumerate() {
+                    *depth = if covered >> bit & 1 == 0 { u16::MAX } else { 0 };
+                }
+            }
+        }
+    }
+}
+
 impl EyeOrder<'_, '_> {
     /// Covers a pixel; whether it was open.
     #[inline(always)]
@@ -311,32 +404,63 @@ impl EyeOrder<'_, '_> {
 
 /// A depth a pixel: the nearest sample wins, the first of equally near ones.
 ///
-/// Depths are the upper 16 bits of the view's w: a 2^16th of the depth that the whole cube can
-/// have in this view, so that a leaf near the eye and one behind it differ.
+/// Depths are 16 bits of the view's w: a 2^16th of the depth that the whole cube can have in this view,
+/// so that a leaf near the eye and one behind it differ. `IN_ORDER`, cells come from front to back and
+/// are left with all below them where all depths are nearer; else every cell is drawn.
 #[derive(Debug)]
-pub struct ZBuffer<'a, 'f> {
-    frame: &'a mut Frame<'f>,
+pub struct ZBuffer<'a, C, const IN_ORDER: bool> {
+    canvas: &'a mut C,
     depth: &'a mut [u16],
     width: u32,
+    /// The frame's row that is the first here.
+    first: u32,
+    /// A depth is w times this over 2^32.
+    factor: u32,
 }
 
-impl<'a, 'f> ZBuffer<'a, 'f> {
-    /// Over a frame and its depths as they stand (65535: nothing drawn yet); `None` when `depth`
-    /// has fewer words than the frame pixels.
+impl<'a, C: Canvas, const IN_ORDER: bool> ZBuffer<'a, C, IN_ORDER> {
+    /// The factor of a grid that is alone: the upper 16 of w's 29 bits.
+    const ALONE: u32 = 1 << (32 - 13);
+
+    /// Over a canvas and its depths as they stand (65535: nothing drawn yet); `None` when `depth`
+    /// has fewer words than the canvas pixels.
     #[must_use]
-    pub fn new(frame: &'a mut Frame<'f>, depth: &'a mut [u16]) -> Option<Self> {
-        let depth = depth.get_mut(..frame.pixels().len())?;
-        let width = u32::from(frame.width());
+    pub fn new(canvas: &'a mut C, depth: &'a mut [u16]) -> Option<Self> {
+        let (width, height) = canvas.size();
+        let depth = depth.get_mut(..usize::from(width) * usize::from(height))?;
         Some(Self {
-            frame,
+            first: canvas.first_row(),
+            canvas,
             depth,
-            width,
+            width: u32::from(width),
+            factor: Self::ALONE,
         })
+    }
+
+    /// For a view whose w is to be multiplied by `factor` over 2^32, so that depths of several views
+    /// are in one unit.
+    #[must_use]
+    pub fn scaled(self, factor: u32) -> Self {
+        Self { factor, ..self }
+    }
+
+    /// Where a pixel's depth is; beyond all where it has none.
+    #[inline(always)]
+    fn at(&self, x: u32, y: u32) -> usize {
+        let row = y.wrapping_sub(self.first);
+        row.wrapping_mul(self.width).wrapping_add(x) as usize
+    }
+
+    #[inline(always)]
+    fn depth(&self, w: i32) -> u16 {
+        // In front of the eye w is positive.
+        let product = u64::from(w.max(0).unsigned_abs()) * u64::from(self.factor);
+        (product >> 32).min(0xFFFE) as u16
     }
 }
 
-impl Visibility for ZBuffer<'_, '_> {
-    const FRONT_TO_BACK: bool = false;
+impl<C: Canvas, const IN_ORDER: bool> Visibility for ZBuffer<'_, C, IN_ORDER> {
+    const FRONT_TO_BACK: bool = IN_ORDER;
 
     #[inline(always)]
     fn is_hidden(&self, _: Rect) -> bool {
@@ -344,14 +468,39 @@ impl Visibility for ZBuffer<'_, '_> {
     }
 
     #[inline(always)]
+    fn is_behind(&self, r: Rect, nearest: i32) -> bool {
+        if !IN_ORDER {
+            return false;
+        }
+        let nearest = self.depth(nearest);
+        let mut at = self.at(r.x0, r.y0);
+        let count = (r.x1 - r.x0 + 1) as usize;
+        for _ in r.y0..r.y1 + 1 {
+            let row = self.depth.get(at..at + count).unwrap_or_default();
+            if row.iter().any(|depth| *depth > nearest) {
+                return false;
+            }
+            at += self.width as usize;
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn shows(&self, x: u32, y: u32, w: i32) -> bool {
+        if !IN_ORDER {
+            return true;
+        }
+        let depth = self.depth.get(self.at(x, y)).copied().unwrap_or(0);
+        x < self.width && self.depth(w) < depth
+    }
+
+    #[inline(always)]
     fn draw(&mut self, r: Rect, w: i32, colour: impl FnOnce() -> u16) {
-        // w is below 2^29; in front of the eye it is positive.
-        let here = (w.max(0) >> 13).min(0xFFFE) as u16;
+        let here = self.depth(w);
         if r.is_pixel() {
-            let at = r.y0 * self.width + r.x0;
-            if self.nearer(at, here) {
+            if self.nearer(r.x0, r.y0, here) {
                 let colour = colour();
-                self.write(at, colour);
+                self.canvas.paint(r.x0, r.y0, colour);
             }
             return;
         }
@@ -359,11 +508,12 @@ impl Visibility for ZBuffer<'_, '_> {
     }
 }
 
-impl ZBuffer<'_, '_> {
+impl<C: Canvas, const IN_ORDER: bool> ZBuffer<'_, C, IN_ORDER> {
     /// Moves a pixel's depth to `here`; whether that is nearer.
     #[inline(always)]
-    fn nearer(&mut self, at: u32, here: u16) -> bool {
-        match self.depth.get_mut(at as usize) {
+    fn nearer(&mut self, x: u32, y: u32, here: u16) -> bool {
+        let at = self.at(x, y);
+        match self.depth.get_mut(at) {
             Some(depth) if here < *depth => {
                 *depth = here;
                 true
@@ -372,21 +522,13 @@ impl ZBuffer<'_, '_> {
         }
     }
 
-    #[inline(always)]
-    fn write(&mut self, at: u32, colour: u16) {
-        if let Some(pixel) = self.frame.pixels_mut().get_mut(at as usize) {
-            *pixel = colour;
-        }
-    }
-
     /// Colours the pixels where this is nearer.
     #[inline(never)]
     fn fill(&mut self, r: Rect, here: u16, colour: u16) {
         for y in r.y0..r.y1 + 1 {
-            let line = y * self.width;
             for x in r.x0..r.x1 + 1 {
-                if self.nearer(line + x, here) {
-                    self.write(line + x, colour);
+                if self.nearer(x, y, here) {
+                    self.canvas.paint(x, y, colour);
                 }
             }
         }
@@ -423,7 +565,7 @@ mod tests {
         let mut buffer = [0; 4];
         let mut frame = Frame::new(&mut buffer, 2, 2).unwrap();
         let mut depth = [u16::MAX; 4];
-        let mut z = ZBuffer::new(&mut frame, &mut depth).unwrap();
+        let mut z = ZBuffer::<_, false>::new(&mut frame, &mut depth).unwrap();
         z.draw(rect(0, 1, 0, 1), 1 << 20, || 1);
         z.draw(rect(0, 0, 0, 0), 1 << 19, || 2);
         z.draw(rect(0, 1, 0, 1), 1 << 20, || 3);

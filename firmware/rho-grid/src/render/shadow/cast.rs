@@ -1,10 +1,10 @@
 //! The light's pass: the map, filled from a grid.
 
 use super::cells::{self, Cell, Subcells};
-use super::light::Light;
+use super::light::LightSpace;
 use super::map::ShadowMap;
 use super::view::{ShadowView, texels};
-use crate::blob::{Blob, Grid};
+use crate::blob::{Blob, Grid, Instance};
 use crate::mode::{LightSplat, MapSize};
 
 /// What casts shadows: the samples of a level of a grid.
@@ -19,22 +19,31 @@ pub struct Caster<'a> {
 }
 
 impl<'a> Caster<'a> {
-    /// The coarsest samples of a blob whose cells are at most as large as a splat, else the finest;
+    /// The coarsest samples of an instance whose cells are at most as large as a splat, else the finest;
     /// of those, splats are as large as a cell.
     ///
     /// It is often unimportant to capture shadows in detail (paper, section 5.3): what is
     /// looked up has a texel's accuracy anyway.
     #[must_use]
-    pub fn of(blob: &Blob<'a>, light: &Light, size: MapSize, splat: LightSplat) -> Option<Self> {
+    pub fn of(
+        blob: &Blob<'a>,
+        instance: &Instance,
+        light: &LightSpace,
+        size: MapSize,
+        splat: LightSplat,
+    ) -> Option<Self> {
+        let object = blob.object(instance.object)?;
         let wanted = splat.texels();
-        let levels = blob.grids().flat_map(|grid| {
+        let levels = blob.grids_of(&object).flat_map(|grid| {
             let levels = grid.first_sampled().max(1)..=grid.subdivisions();
             levels.map(move |level| (grid, level))
         });
         let casters = levels.map(|(grid, level)| {
             let cells = grid.cells(level);
             // An eighth of a texel more opens no gap: samples are means over several cells.
-            let side = texels(light, size, cells).saturating_sub(32).div_ceil(256);
+            let side = texels(light, size, instance, cells)
+                .saturating_sub(32)
+                .div_ceil(256);
             let fits = side <= wanted;
             let splat = side.clamp(wanted, LightSplat::LARGEST) as usize;
             let order = (!fits, if fits { cells } else { u32::MAX - cells });

@@ -26,21 +26,22 @@ mod thumb;
 mod view;
 
 pub use cast::Caster;
-pub use light::Light;
+pub use light::LightSpace;
 pub use map::ShadowMap;
 pub use moved::Bias;
 pub use view::ShadowView;
 
-use crate::blob::{Blob, Grid};
+use crate::blob::{Blob, Grid, Instance};
 use crate::mode::{LightSplat, MapSize};
 #[cfg(rho_thumb)]
 use crate::normal::COUNT;
 use crate::q::Unit;
 use crate::shading::Shade;
 
-/// The tables of an object in the light: of what is drawn, and of what casts its shadows.
+/// The tables of a scene in its light: of the instance that is drawn, and of the one that casts.
 #[derive(Clone, Debug)]
 pub struct Shadows {
+    light: LightSpace,
     looked_up: ShadowView,
     cast: ShadowView,
 }
@@ -50,38 +51,50 @@ impl Shadows {
     #[must_use]
     pub const fn empty() -> Self {
         Self {
+            light: LightSpace::NONE,
             looked_up: ShadowView::empty(),
             cast: ShadowView::empty(),
         }
     }
 
-    /// Fills the tables for a light towards `towards` and `drawn`, a grid of `blob`, and the map in
-    /// `buffer`. All of it stays as it is until light or object move.
-    ///
-    /// `None` when the buffer is too short for the map, or the blob has no grid.
-    pub fn cast<'m>(
+    /// Fills a map with what a light towards `towards` sees of the scene. It stays as it is until light or
+    /// objects move.
+    pub fn cast(
         &mut self,
         blob: &Blob<'_>,
-        drawn: &Grid<'_>,
         towards: [Unit; 3],
-        (size, splat): (MapSize, LightSplat),
-        buffer: &'m mut [u16],
-    ) -> Option<ShadowMap<'m>> {
-        let mut light = Light::towards(towards);
-        light.hold(drawn);
-        let caster = Caster::of(blob, &light, size, splat)?;
-        let bias = Bias::splat(caster.splat);
-        self.cast
-            .prepare(&light, size, &caster.grid, caster.level, bias);
-        let leaves = drawn.subdivisions();
-        self.looked_up
-            .prepare(&light, size, drawn, leaves, Bias::LOOKED_UP);
-        let mut map = ShadowMap::cleared(buffer, size)?;
-        caster.cast(&self.cast, &mut map);
-        Some(map)
+        splat: LightSplat,
+        map: &mut ShadowMap<'_>,
+    ) {
+        self.light = LightSpace::towards(towards);
+        let size = map.size();
+        let instances = || (0..blob.instance_count()).filter_map(|index| blob.instance(index));
+        for instance in instances() {
+            let object = blob.object(instance.object);
+            let grid = object.and_then(|object| blob.grids_of(&object).next());
+            if let Some(grid) = grid {
+                self.light.hold(&instance, &grid);
+            }
+        }
+        for instance in instances() {
+            let Some(caster) = Caster::of(blob, &instance, &self.light, size, splat) else {
+                continue;
+            };
+            let (grid, bias) = ((&caster.grid, caster.level), Bias::splat(caster.splat));
+            self.cast.prepare(&self.light, size, &instance, grid, bias);
+            caster.cast(&self.cast, map);
+        }
     }
 
-    /// How samples look, drawn as `shade` has them, but where `map` has something before them.
+    /// Fills the tables by which an instance, drawn in `grid`, is looked up in a map of this size.
+    pub fn see(&mut self, instance: &Instance, grid: &Grid<'_>, size: MapSize) {
+        let leaves = (grid, grid.subdivisions());
+        let (view, light) = (&mut self.looked_up, &self.light);
+        view.prepare(light, size, instance, leaves, Bias::LOOKED_UP);
+    }
+
+    /// How the samples of that instance look, drawn as `shade` has them, but where `map` has something
+    /// before them.
     #[must_use]
     pub fn over<'a, S>(&'a self, shade: &'a S, map: &'a ShadowMap<'a>) -> Shadowed<'a, S> {
         Shadowed {

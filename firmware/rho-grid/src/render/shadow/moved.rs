@@ -4,7 +4,6 @@
 //! serves all of its pixels. So that no surface shades itself, samples that are looked up are moved
 //! outwards, by texels and by cells; splats inwards, by half of what they reach beyond a silhouette.
 
-use super::light::Light;
 use super::view::pack;
 use crate::blob::Layout;
 use crate::normal::{BITS, COUNT, FACES, OCTANT};
@@ -79,7 +78,13 @@ impl Moved {
         to_offset: 0,
     };
 
-    pub(super) fn fill(&mut self, layout: Layout, light: &Light, lengths: Lengths, bias: Bias) {
+    pub(super) fn fill(
+        &mut self,
+        layout: Layout,
+        axes: &[[i32; 3]; 3],
+        lengths: Lengths,
+        bias: Bias,
+    ) {
         let under_normal = u32::from(layout.offset + layout.material);
         self.to_class = (under_normal + BITS - CLASSES.ilog2()) & 31;
         // Without offsets all entries of a class are the same, whatever the bits.
@@ -102,9 +107,7 @@ impl Moved {
         for (octant, moved) in self.by_normal.chunks_mut(OCTANT / ALIKE).enumerate() {
             // A component is negative where its bit is set, and so are its products with the axes.
             let sign = |bit: usize, v: i32| if octant & bit == 0 { v } else { -v };
-            let axes = light
-                .axes
-                .map(|[x, y, z]| [sign(4, x), sign(2, y), sign(1, z)]);
+            let axes = axes.map(|[x, y, z]| [sign(4, x), sign(2, y), sign(1, z)]);
             for (face, moved) in FACES.iter().step_by(ALIKE).zip(moved) {
                 let [x, y, z] = face.map(i32::from);
                 let [u, v, d] = axes.map(|[ax, ay, az]| (ax * x + ay * y + az * z) >> 14);

@@ -9,10 +9,10 @@
 //! bits 22 to 31   depth, away from the light, 1024 to all that there is
 //! ```
 
-use super::light::Light;
+use super::light::LightSpace;
 use super::moved::{Bias, Lengths, Moved};
-use crate::blob::Grid;
 use crate::blob::format::MAX_SUBDIVISIONS;
+use crate::blob::{Grid, Instance};
 use crate::mode::MapSize;
 
 /// Bits of u and of v.
@@ -75,8 +75,8 @@ pub(super) fn pack<const Q: u32>(place: [i32; 3]) -> u32 {
     u.wrapping_add(v << ACROSS).wrapping_add(d << DEPTH)
 }
 
-/// Units to a side of the cube, Q16: across and in depth.
-fn scale(light: &Light, size: MapSize) -> [i64; 2] {
+/// Units to a side of the scene's cube, Q16: across and in depth.
+fn scale(light: &LightSpace, size: MapSize) -> [i64; 2] {
     let (across, depth) = light.extents();
     let texel = 1 << (ACROSS - size.bits());
     let room = (1 << ACROSS) - 2 * MARGIN * texel;
@@ -86,9 +86,14 @@ fn scale(light: &Light, size: MapSize) -> [i64; 2] {
     ]
 }
 
-/// Texels to a cell's side, Q8, of a grid of so many cells an axis.
-pub(super) fn texels(light: &Light, size: MapSize, cells: u32) -> u32 {
-    let [across, _] = scale(light, size);
+/// The same to a side of an instance's cube.
+fn of_instance(scale: i64, instance: &Instance) -> i64 {
+    (scale * i64::from(instance.scale.to_bits())) >> 30
+}
+
+/// Texels to a cell's side, Q8, of an instance's grid of so many cells an axis.
+pub(super) fn texels(light: &LightSpace, size: MapSize, instance: &Instance, cells: u32) -> u32 {
+    let [across, _] = scale(light, size).map(|scale| of_instance(scale, instance));
     ((across >> (8 + ACROSS - size.bits())) / i64::from(cells)) as u32
 }
 
@@ -104,27 +109,31 @@ impl ShadowView {
         }
     }
 
-    /// Fills the tables for the samples of `level` of a grid which `light` holds, and maps of this
-    /// size.
+    /// Fills the tables for the samples of `level` of an instance's grid, which `light` holds, and maps of
+    /// this size.
     pub fn prepare(
         &mut self,
-        light: &Light,
+        light: &LightSpace,
         size: MapSize,
-        grid: &Grid<'_>,
-        level: usize,
+        instance: &Instance,
+        (grid, level): (&Grid<'_>, usize),
         bias: Bias,
     ) {
+        let local = light.local(instance);
         let [across, depth] = scale(light, size);
         let scales = [across, across, depth];
         // The middle of what is held is the map's.
         let middles = [1 << (ACROSS + 15), 1 << (ACROSS + 15), DEPTHS << 15];
         let bounds = light.bounds.iter().zip(scales).zip(middles);
-        for (centre, (((low, high), scale), middle)) in self.centre.iter_mut().zip(bounds) {
-            *centre = middle - ((i64::from(low + high) * scale) >> 17) as i32;
+        let bounds = bounds.zip(local.centre);
+        for (centre, ((((low, high), scale), middle), own)) in self.centre.iter_mut().zip(bounds) {
+            *centre = middle + ((i64::from(2 * own - low - high) * scale) >> 17) as i32;
         }
+        let [across, depth] = [across, depth].map(|scale| of_instance(scale, instance));
+        let scales = [across, across, depth];
         let edge = |axis: usize| {
             let mut edge = [0i64; 3];
-            for ((edge, row), scale) in edge.iter_mut().zip(light.axes).zip(scales) {
+            for ((edge, row), scale) in edge.iter_mut().zip(local.axes).zip(scales) {
                 *edge = (i64::from(row.get(axis).copied().unwrap_or(0)) * scale) >> 14;
             }
             edge
@@ -163,7 +172,7 @@ impl ShadowView {
             cell: (across >> 8) as i32 / grid.cells(level) as i32,
             scale: [across, depth],
         };
-        self.moved.fill(grid.layout(), light, lengths, bias);
+        self.moved.fill(grid.layout(), &local.axes, lengths, bias);
     }
 
     /// The place of a cell's centre, each coordinate rounded once.

@@ -67,6 +67,8 @@ pub(super) struct Stamps<'v> {
     offsets: [i8; 8],
     /// From the middle of a plane of 3 x 3 cells to each, from entry [`FIRST`] on.
     cells: [u32; 16],
+    /// Steps in W along x, y and z.
+    depths: [i32; 3],
     classes: &'v Classes,
     circle: Circle,
     /// The pixel from which places count.
@@ -268,9 +270,25 @@ impl<'v> Stamps<'v> {
             ],
             cells: [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0],
             along_z,
+            depths: [0; 3],
             corner: (corner(x, view.width), corner(y, view.height)),
             size: (view.width, view.height),
         })
+    }
+
+    /// With the steps in W from cell to cell along x, y, z, for those who ask for depths.
+    #[inline(always)]
+    pub(super) fn deep(self, depths: [i32; 3]) -> Self {
+        Self { depths, ..self }
+    }
+
+    /// From the middle of a plane of 3 x 3 cells to each, as [`Self::cells`] has places.
+    #[inline(always)]
+    fn depths(&self) -> [i32; 16] {
+        let [x, y, _] = self.depths;
+        let row = |middle: i32| [middle - x, middle, middle + x];
+        let ([a, b, c], [d, e, f], [g, h, i]) = (row(-y), row(0), row(y));
+        [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0]
     }
 
     /// Whether samples of this layout can be stamped.
@@ -327,6 +345,8 @@ impl<'v> Stamps<'v> {
         let corner = target.corner(x, y);
         let (x, y) = self.origin(C::ROWS as i32);
         let mut tail = [0; 16];
+        let depths = self.depths();
+        let [.., deep_z] = self.depths;
         for parent in parents.order.iter().take(parents.count) {
             let order = Order::from_bits(parent >> 16);
             let subcell = (parent >> 8 & 255) as usize;
@@ -344,17 +364,18 @@ impl<'v> Stamps<'v> {
             let low = order.cells(mask);
             let mid = order.cells(mask >> 9);
             let high = order.cells(mask >> 18);
-            let ranks = [first, first + low.1, first + low.1 + mid.1];
-            let planes = [
-                (low, middle.wrapping_sub(self.along_z), ranks[0], 0),
-                (mid, middle, ranks[1], 9),
-                (high, middle.wrapping_add(self.along_z), ranks[2], 18),
-            ];
             let light = parents.light.map(|light| {
                 let d = light.parents.get(subcell).copied().unwrap_or(0);
                 (light.at.wrapping_add(d), light.cells)
             });
-            for ((cells, count), at, first, plane) in order.planes(planes) {
+            let (along_z, w) = (self.along_z, centre.w);
+            let last = first + low.1 + mid.1;
+            let planes = [
+                (low, (middle.wrapping_sub(along_z), w - deep_z), first, 0),
+                (mid, (middle, w), first + low.1, 9),
+                (high, (middle.wrapping_add(along_z), w + deep_z), last, 18),
+            ];
+            for ((cells, count), (at, w), first, plane) in order.planes(planes) {
                 if count == 0 {
                     continue;
                 }
@@ -372,7 +393,8 @@ impl<'v> Stamps<'v> {
                 let samples = Samples {
                     words,
                     at,
-                    w: centre.w,
+                    w,
+                    depths: &depths,
                     corner,
                     light,
                     plane,
@@ -420,12 +442,14 @@ impl<'v> Stamps<'v> {
                 x: place >> 10 & 63,
                 y: place >> 26,
                 away: towards < 0,
-                w: samples.w,
+                w: samples.w + entry(samples.depths, cell),
             };
             let colour = || match samples.light {
                 None => shading.of_normal(word >> 3),
                 Some((at, cells)) => {
-                    let d = cells.get((samples.plane + cell - FIRST) as usize).copied();
+                    // The list's entry has the rank above the cell's number.
+                    let subcell = samples.plane + (cell & 15) - FIRST;
+                    let d = cells.get(subcell as usize).copied();
                     shading.colour_at(word, at.wrapping_add(d.unwrap_or(0)))
                 }
             };
@@ -440,6 +464,8 @@ struct Samples<'g> {
     /// The place of the middle cell.
     at: u32,
     w: i32,
+    /// From there to each cell's W.
+    depths: &'g [i32; 16],
     corner: u32,
     /// The parent in the light, and the way from there to its subcells.
     light: Option<(u32, &'g [u32; 27])>,
