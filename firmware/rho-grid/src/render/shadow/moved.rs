@@ -32,8 +32,8 @@ impl Bias {
     /// Of samples that are looked up.
     pub const LOOKED_UP: Self = Self {
         texels: 128,
-        cells: 288,
-        towards: 192,
+        cells: 128,
+        towards: 128,
         back: 0,
     };
 
