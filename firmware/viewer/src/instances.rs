@@ -16,6 +16,9 @@ use crate::request::Scene;
 
 /// Which modes a program has.
 pub(crate) trait Modes {
+    /// Whether there is room for depths, which what is tangled takes.
+    const DEPTHS: bool;
+
     /// Draws an instance.
     fn draw<V: Visibility>(
         placed: &Placed<'_>,
@@ -29,6 +32,8 @@ pub(crate) trait Modes {
 pub(crate) struct Every;
 
 impl Modes for Every {
+    const DEPTHS: bool = true;
+
     fn draw<V: Visibility>(
         placed: &Placed<'_>,
         view: &View,
@@ -43,6 +48,8 @@ impl Modes for Every {
 pub(crate) struct Preset;
 
 impl Modes for Preset {
+    const DEPTHS: bool = false;
+
     fn draw<V: Visibility>(
         placed: &Placed<'_>,
         view: &View,
@@ -69,6 +76,9 @@ pub(crate) fn draw_turn<M: Modes, V: Visibility + Canvas>(
     let Some(unit) = unit.filter(|_| turn.is_tangled) else {
         return Ok(M::draw(placed, view, shading, target));
     };
+    if !M::DEPTHS {
+        return Err(ModelError::Tangled);
+    }
     if turn.is_first {
         target.depths(depth);
     }

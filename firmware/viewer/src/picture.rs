@@ -135,6 +135,8 @@ pub enum ModelError {
     View(ViewError),
     /// The program was built without this mode.
     Mode,
+    /// Objects reach into each other, and the program has no depths.
+    Tangled,
     /// The frame is larger than the board's memory for it.
     TooLarge,
 }
@@ -146,6 +148,9 @@ impl fmt::Display for ModelError {
             Self::Grid(index) => write!(f, "the blob has no grid {index}"),
             Self::View(error) => error.fmt(f),
             Self::Mode => f.write_str("this program draws by presets alone"),
+            Self::Tangled => {
+                f.write_str("objects reach into each other, and there is no memory for depths")
+            }
             Self::TooLarge => f.write_str("the frame is larger than the memory for it"),
         }
     }
