@@ -9,7 +9,7 @@ use rho_grid::frame::Frame;
 use rho_grid::mode::{FrameMode, Mode, VisibilityMode};
 use rho_grid::q::Unit;
 use rho_grid::render::{self, Canvas, EyeOrder, Rect, Tones, Visibility, ZBuffer, tone_words};
-use rho_grid::scene::{Arrangement, Placed, Turn};
+use rho_grid::scene::{Arrangement, Placed, SceneTones, Turn};
 use rho_grid::shading::{Palette, Shade, Shading, ToneTable};
 
 use crate::failure::{Failure, Outcome};
@@ -106,6 +106,13 @@ pub fn render_from(
     let internal = |what: &str| Failure::input(format!("{what} (an error in rho)"));
     if mode.frame == FrameMode::Tones {
         let mut table = ToneTable::empty();
+        let mut tones = Box::new(SceneTones::empty());
+        let coloured = blob.grids().any(|grid| grid.layout().colour > 0);
+        let is_plain = !blob.is_scene() && !coloured;
+        if !is_plain {
+            let instances = arrangement.turns().iter().map(|turn| turn.instance);
+            tones.prepare(blob, instances, camera, towards);
+        }
         let mut buffer = vec![0; tone_words(WIDEST, height)];
         let mut frame = Tones::<WIDEST, { 3 * WIDEST + 4 }>::cleared(&mut buffer, width, height)
             .ok_or_else(|| internal("frame size"))?;
@@ -114,18 +121,13 @@ pub fn render_from(
             let Some(placed) = stage.placed(*turn)? else {
                 continue;
             };
-            let first = blob.object(placed.instance.object);
-            table.shade_from(
-                placed.grid.layout(),
-                blob.materials().len(),
-                placed
-                    .instance
-                    .material
-                    .unwrap_or(first.map_or(0, |object| object.first_material)),
-                placed.instance.material.is_some(),
-                placed.into_cube(towards),
-            );
-            let drawn = stage.draw(*turn, &placed, &table, &mut frame);
+            let drawn = if is_plain {
+                table.shade(placed.grid.layout(), blob.materials().len(), towards);
+                stage.draw(*turn, &placed, &table, &mut frame)
+            } else {
+                tones.shade(blob, &placed, &placed.lighting(blob, towards));
+                stage.draw(*turn, &placed, &*tones, &mut frame)
+            };
             reach = reach.into_iter().chain(drawn).reduce(Rect::with);
             if turn.is_last
                 && let Some(reach) = reach.take()
@@ -133,7 +135,11 @@ pub fn render_from(
                 frame.fill(reach);
             }
         }
-        let palette = Palette::new(blob.materials(), blob.background());
+        let palette = if is_plain {
+            Palette::new(blob.materials(), blob.background())
+        } else {
+            tones.palette(blob.background())
+        };
         let tones = frame.rows().flatten();
         words = tones.map(|tone| palette.colour(*tone)).collect();
     } else {
@@ -145,14 +151,9 @@ pub fn render_from(
             let Some(placed) = stage.placed(*turn)? else {
                 continue;
             };
-            let shading = Shading::of_instance(
-                &mut colours,
-                placed.grid.layout(),
-                blob,
-                &placed.instance,
-                &placed.lighting(blob, towards),
-            )
-            .ok_or_else(|| internal("shading table"))?;
+            let shading =
+                Shading::of_instance(&mut colours, blob, &placed, &placed.lighting(blob, towards))
+                    .ok_or_else(|| internal("shading table"))?;
             if in_order {
                 let mut target =
                     EyeOrder::new(&mut frame, &mut bits).ok_or_else(|| internal("coverage"))?;

@@ -5,10 +5,12 @@
 //! drawing.
 
 use crate::blob::format::MAX_MATERIALS;
-use crate::blob::{Blob, Instance, Layout, Material};
+use crate::blob::{Blob, Layout, Material};
 use crate::lighting::{self, Lighting};
 use crate::normal::{BITS, COUNT, FACES, OCTANT};
 use crate::q::Unit;
+use crate::quantise::{Rgb, TONES};
+use crate::scene::Placed;
 
 /// What a sample looks like, in the unit of the frame it is drawn into.
 pub trait Shade {
@@ -31,8 +33,14 @@ pub struct Shading<'a> {
     colours: &'a [u16],
     /// Bits under the normal in an attribute word.
     under_normal: u32,
+    /// The bits of the normal.
+    normal: u32,
+    /// From the layout's normals to those of 13 bits.
+    lift: u32,
     /// The bits of the material.
     material: u32,
+    /// Words carry colours, and the table is the light on white.
+    is_coloured: bool,
 }
 
 impl<'a> Shading<'a> {
@@ -52,6 +60,18 @@ impl<'a> Shading<'a> {
         materials: impl ExactSizeIterator<Item = Material>,
         lighting: &Lighting,
     ) -> Option<Self> {
+        // Of a layout's coarser normals only those in the middle of them are looked up.
+        Self::every(table, layout, materials, lighting, 1 << lift(layout))
+    }
+
+    /// The same for each `every`th normal, which serves those up to the next, too.
+    fn every(
+        table: &'a mut [u16],
+        layout: Layout,
+        materials: impl ExactSizeIterator<Item = Material>,
+        lighting: &Lighting,
+        every: usize,
+    ) -> Option<Self> {
         let words = Self::words(materials.len());
         let table = table.get_mut(..words)?;
         for (material, colours) in materials.zip(table.chunks_exact_mut(COUNT)) {
@@ -61,48 +81,89 @@ impl<'a> Shading<'a> {
                     let v = i32::from(v);
                     if octant & bit == 0 { v } else { -v }
                 };
-                for (colour, [x, y, z]) in colours.iter_mut().zip(&FACES) {
-                    *colour = surface.rgb565([sign(4, *x), sign(2, *y), sign(1, *z)]);
+                let faces = FACES.iter().step_by(every);
+                for (colours, [x, y, z]) in colours.chunks_mut(every).zip(faces) {
+                    colours.fill(surface.rgb565([sign(4, *x), sign(2, *y), sign(1, *z)]));
                 }
             }
         }
         Some(Self {
             colours: table,
             under_normal: u32::from(layout.offset + layout.material) & 31,
+            normal: layout.normal_of(u32::MAX),
+            lift: lift(layout),
             material: layout.material_of(u32::MAX),
+            is_coloured: false,
         })
     }
 
-    /// The same for an instance of `blob` in a grid of this layout.
+    /// The same for an instance of `blob`.
+    ///
+    /// A grid of 40 cells an axis at most has 512 normals: there neighbouring cells differ more.
     #[must_use]
     pub fn of_instance(
         table: &'a mut [u16],
-        layout: Layout,
         blob: &Blob<'_>,
-        instance: &Instance,
+        placed: &Placed<'_>,
         lighting: &Lighting,
     ) -> Option<Self> {
-        let (first, count) = blob.materials_of(instance)?;
-        let mut materials = [Material::default(); MAX_MATERIALS];
-        for (slot, index) in materials.iter_mut().zip(first..) {
-            *slot = blob.material(index).unwrap_or_default();
+        let (layout, instance) = (placed.grid.layout(), &placed.instance);
+        let is_coloured = layout.colour > 0 && instance.material.is_none();
+        let mut materials = [WHITE; MAX_MATERIALS];
+        let mut count = 1;
+        if !is_coloured {
+            let (first, all) = blob.materials_of(instance)?;
+            count = all;
+            for (slot, index) in materials.iter_mut().zip(first..) {
+                *slot = blob.material(index).unwrap_or_default();
+            }
         }
         let materials = materials.into_iter().take(count.into());
-        let mut shading = Self::new(table, layout, materials, lighting)?;
+        let coarse = blob.is_scene() && placed.grid.cells(placed.grid.subdivisions()) <= 40;
+        let every = if coarse { 16 } else { 1 << lift(layout) };
+        let mut shading = Self::every(table, layout, materials, lighting, every)?;
         if count == 1 {
             // Whatever its samples name.
             shading.material = 0;
         }
+        shading.is_coloured = is_coloured;
         Some(shading)
     }
+}
+
+/// What carries its own colours, before they are multiplied: 0.1 in the shade, 0.9 more in the light.
+const WHITE: Material = Material {
+    ambient: [3277; 3],
+    diffuse: [29491; 3],
+    specular: [0; 3],
+    exponent: 1,
+};
+
+/// From a layout's normals to those of 13 bits.
+const fn lift(layout: Layout) -> u32 {
+    13u32.saturating_sub(layout.normal as u32)
+}
+
+/// The product of two RGB565 colours, channels rounded to nearest.
+fn product(a: u16, b: u16) -> u16 {
+    let channel = |shift: u32, levels: u32| {
+        let of = |colour: u16| u32::from(colour) >> shift & levels;
+        ((of(a) * of(b) + levels / 2) / levels) << shift
+    };
+    (channel(11, 31) | channel(5, 63) | channel(0, 31)) as u16
 }
 
 impl Shade for Shading<'_> {
     /// RGB565.
     #[inline(always)]
     fn colour(&self, word: u32) -> u16 {
-        let index = (word & self.material) << BITS | word >> self.under_normal;
-        self.colours.get(index as usize).copied().unwrap_or(0)
+        let normal = ((word >> self.under_normal) & self.normal) << self.lift;
+        let index = (word & self.material) << BITS | normal;
+        let colour = self.colours.get(index as usize).copied().unwrap_or(0);
+        if self.is_coloured {
+            return product(colour, (word >> 16) as u16);
+        }
+        colour
     }
 
     #[inline(always)]
@@ -111,8 +172,6 @@ impl Shade for Shading<'_> {
     }
 }
 
-/// Tones there are: seven bits.
-const TONES: usize = 128;
 /// How bright each normal is, for frames of a byte a pixel.
 ///
 /// The palette is divided evenly among the materials: with one there are 128 steps from dark to
@@ -123,9 +182,9 @@ pub struct ToneTable {
     tones: [u8; COUNT],
     /// From a material's tones to the next one's.
     per_material: u32,
-    /// Of the first material.
-    first: u16,
     under_normal: u32,
+    /// From the layout's normals to those of 13 bits.
+    lift: u32,
     material: u32,
 }
 
@@ -136,8 +195,8 @@ impl ToneTable {
         Self {
             tones: [0; COUNT],
             per_material: 0,
-            first: 0,
             under_normal: 0,
+            lift: 0,
             material: 0,
         }
     }
@@ -146,24 +205,11 @@ impl ToneTable {
     ///
     /// Of two opposite normals one faces away from the light, so four sums shade eight normals.
     pub fn shade(&mut self, layout: Layout, materials: usize, towards: [Unit; 3]) {
-        self.shade_from(layout, materials, 0, false, towards);
-    }
-
-    /// The same for samples whose material 0 is the palette's `first`; `one` material for all of them
-    /// if asked.
-    pub fn shade_from(
-        &mut self,
-        layout: Layout,
-        materials: usize,
-        first: u16,
-        one: bool,
-        towards: [Unit; 3],
-    ) {
         let steps = steps(materials) as i32;
         self.per_material = 2 * steps as u32;
-        self.first = self.per_material as u16 * first;
         self.under_normal = u32::from(layout.offset + layout.material) & 15;
-        self.material = if one { 0 } else { layout.material_of(u32::MAX) };
+        self.lift = 13u32.saturating_sub(u32::from(layout.normal));
+        self.material = layout.material_of(u32::MAX);
         // The brightest step at 2^8; with a normal's 2^14, a step is 2^22.
         let [lx, ly, lz] = towards.map(|c| (i32::from(c.to_bits()) * (steps - 1)) >> 6);
         let (front, opposite) = self.tones.split_at_mut(COUNT / 2);
@@ -198,20 +244,20 @@ impl ToneTable {
 impl Shade for ToneTable {
     #[cfg(rho_thumb)]
     fn tones(&self) -> Option<&[u8; COUNT]> {
-        (self.first == 0).then_some(&self.tones)
+        Some(&self.tones)
     }
 
     /// A tone.
     #[inline(always)]
     fn colour(&self, word: u32) -> u16 {
         let material = (word & self.material) * self.per_material;
-        self.of_normal(word >> self.under_normal) + material as u16
+        self.of_normal(word >> self.under_normal << self.lift) + material as u16
     }
 
     #[inline(always)]
     fn of_normal(&self, index: u32) -> u16 {
         let tone = self.tones.get(index as usize % COUNT);
-        u16::from(tone.copied().unwrap_or(0)) + self.first
+        tone.copied().unwrap_or(0).into()
     }
 }
 
@@ -248,6 +294,22 @@ impl Palette {
         }
     }
 
+    /// For tones of these colours.
+    #[must_use]
+    pub fn of_tones(colour: impl Fn(u8) -> Rgb, background: u16) -> Self {
+        let mut colours = [background; TONES];
+        for (tone, slot) in (0..).zip(&mut colours) {
+            // 8 bits to 5 and 6, to nearest.
+            let channel =
+                |shift: u32, levels: u32| ((colour(tone) >> shift & 255) * levels + 127) / 255;
+            *slot = (channel(16, 31) << 11 | channel(8, 63) << 5 | channel(0, 31)) as u16;
+        }
+        Self {
+            colours,
+            background,
+        }
+    }
+
     /// The colour of a pixel, RGB565.
     #[must_use]
     pub fn colour(&self, tone: u8) -> u16 {
@@ -274,13 +336,6 @@ mod tests {
     use super::*;
     extern crate std;
     use std::vec;
-
-    const WHITE: Material = Material {
-        ambient: [3277; 3],
-        diffuse: [29491; 3],
-        specular: [0; 3],
-        exponent: 1,
-    };
 
     #[test]
     fn every_colour_is_the_exact_one_or_a_level_beside_it_where_rounding_is_close() {

@@ -10,7 +10,7 @@ use rho_grid::render::{
     Buffers, Canvas, EyeOrder, Rect, Tones, View, ViewError, Visibility, ZBuffer, draw_seen,
     tone_words,
 };
-use rho_grid::scene::{Arrangement, Placed, Turn};
+use rho_grid::scene::{Arrangement, Placed, SceneTones, Turn};
 use rho_grid::shading::{Palette, Shade, Shading, ToneTable};
 
 use crate::count::{Counter, Phase, Stopwatch};
@@ -26,6 +26,7 @@ pub struct Memory {
     coverage: [u32; EyeOrder::words(WIDTH, HEIGHT)],
     depth: [u16; PIXELS],
     tone_table: ToneTable,
+    scene_tones: SceneTones,
     tones: [u32; tone_words(WIDTH as usize, HEIGHT)],
 }
 
@@ -43,6 +44,7 @@ impl Memory {
             coverage: [0; EyeOrder::words(WIDTH, HEIGHT)],
             depth: [0; PIXELS],
             tone_table: ToneTable::empty(),
+            scene_tones: SceneTones::empty(),
             tones: [0; tone_words(WIDTH as usize, HEIGHT)],
         }
     }
@@ -124,6 +126,12 @@ impl<'a> Model<'a> {
         }
     }
 
+    /// Whether it is one model, whose samples have no colours of their own.
+    fn is_plain(&self) -> bool {
+        let coloured = self.blob.grids().any(|grid| grid.layout().colour > 0);
+        !self.blob.is_scene() && !coloured
+    }
+
     /// Into a byte a pixel.
     fn tones<C: Counter>(
         &self,
@@ -137,37 +145,46 @@ impl<'a> Model<'a> {
             view,
             depth,
             tone_table,
+            scene_tones,
             tones,
             ..
         } = memory;
         let (blob, camera) = (&self.blob, &scene.camera);
-        let materials = blob.materials().len();
+        let is_plain = self.is_plain();
+        if !is_plain {
+            watch.time(Phase::ShadingTables, || {
+                let instances = arrangement.turns().iter().map(|turn| turn.instance);
+                scene_tones.prepare(blob, instances, camera, scene.light);
+            });
+        }
         let mut frame = watch
             .time(Phase::Clear, || {
                 PanelTones::cleared(tones, camera.width, camera.height)
             })
             .ok_or(ModelError::TooLarge)?;
+        let unit = arrangement.unit();
         let mut reach = None;
         for turn in arrangement.turns() {
             let Some(placed) = self.placed(*turn, scene, view, watch)? else {
                 continue;
             };
-            let light = placed.into_cube(scene.light);
-            let object = blob.object(placed.instance.object);
-            watch.time(Phase::ShadingTables, || {
-                let first = object.map_or(0, |object| object.first_material);
-                tone_table.shade_from(
-                    placed.grid.layout(),
-                    materials,
-                    placed.instance.material.unwrap_or(first),
-                    placed.instance.material.is_some(),
-                    light,
-                );
-            });
-            let unit = arrangement.unit();
-            let drawn = watch.time(Phase::Draw, || {
-                draw_turn(*turn, &placed, view, tone_table, unit, &mut frame, depth)
-            })?;
+            let drawn = if is_plain {
+                let materials = blob.materials().len();
+                watch.time(Phase::ShadingTables, || {
+                    tone_table.shade(placed.grid.layout(), materials, scene.light);
+                });
+                watch.time(Phase::Draw, || {
+                    draw_turn(*turn, &placed, view, tone_table, unit, &mut frame, depth)
+                })?
+            } else {
+                watch.time(Phase::ShadingTables, || {
+                    let lighting = placed.lighting(blob, scene.light);
+                    scene_tones.shade(blob, &placed, &lighting);
+                });
+                watch.time(Phase::Draw, || {
+                    draw_turn(*turn, &placed, view, scene_tones, unit, &mut frame, depth)
+                })?
+            };
             reach = match (reach, drawn) {
                 (Some(a), Some(b)) => Some(Rect::with(a, b)),
                 (a, b) => a.or(b),
@@ -180,7 +197,11 @@ impl<'a> Model<'a> {
             }
         }
         watch.time(Phase::Send, || {
-            let palette = Palette::new(blob.materials(), blob.background());
+            let palette = if is_plain {
+                Palette::new(blob.materials(), blob.background())
+            } else {
+                scene_tones.palette(blob.background())
+            };
             for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
                 *word = palette.colour(*tone);
             }
@@ -215,11 +236,10 @@ impl<'a> Model<'a> {
             let Some(placed) = self.placed(*turn, scene, view, watch)? else {
                 continue;
             };
-            let layout = placed.grid.layout();
             let shading = watch
                 .time(Phase::ShadingTables, || {
                     let lighting = placed.lighting(blob, scene.light);
-                    Shading::of_instance(colours, layout, blob, &placed.instance, &lighting)
+                    Shading::of_instance(colours, blob, &placed, &lighting)
                 })
                 .ok_or(ModelError::TooLarge)?;
             let unit = arrangement.unit();

@@ -238,7 +238,7 @@ impl Part {
 
     fn layout(&self, options: &BakeOptions) -> Layout {
         let choice = match options.grid {
-            GridChoice::Standard(_) if self.is_coloured => LayoutChoice::Material,
+            GridChoice::Standard(_) if self.is_coloured => LayoutChoice::Both,
             GridChoice::Standard(_) => LayoutChoice::Offset,
             _ => options.layout,
         };
@@ -331,7 +331,7 @@ fn encode(
     let mut objects = Vec::new();
     for (part, trees) in parts.iter().zip(trees) {
         let layout = part.layout(options);
-        let has_own = part.is_coloured && layout.material > 0;
+        let has_own = part.is_coloured && layout.material + layout.colour > 0;
         let palette = if part.is_coloured {
             let leaves = trees.iter().filter_map(|tree| tree.levels.last());
             let colours = leaves.flat_map(|level| &level.samples).map(|s| s.colour);

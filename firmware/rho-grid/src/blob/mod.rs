@@ -13,7 +13,7 @@ pub mod layout;
 pub mod scene;
 
 pub use error::BlobError;
-pub use grid::{Grid, Level};
+pub use grid::{Attributes, Grid, Level};
 pub use layout::Layout;
 pub use scene::{Instance, Light, Object};
 

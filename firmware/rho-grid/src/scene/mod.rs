@@ -14,8 +14,10 @@
 
 mod arrange;
 mod body;
+mod tones;
 
 pub use arrange::{Arrangement, Turn};
+pub use tones::SceneTones;
 
 use crate::blob::{Blob, Grid, Instance, Light};
 use crate::camera::Camera;
@@ -104,12 +106,7 @@ impl<'a> Placed<'a> {
     /// one if it has none.
     #[must_use]
     pub fn lighting(&self, blob: &Blob<'_>, first: [Unit; 3]) -> Lighting {
-        let mut lights = blob.lights();
-        let own = lights.next().map_or(Light::white(first), |light| Light {
-            towards: first,
-            ..light
-        });
-        let turned = core::iter::once(own).chain(lights).map(|light| Light {
+        let turned = lights(blob, first).map(|light| Light {
             towards: self.into_cube(light.towards),
             ..light
         });
@@ -146,6 +143,16 @@ impl<'a> Placed<'a> {
         };
         u32::try_from(factor).unwrap_or(u32::MAX)
     }
+}
+
+/// The blob's lights, the first of them towards `first`; one white one if it has none.
+fn lights<'a>(blob: &Blob<'a>, first: [Unit; 3]) -> impl Iterator<Item = Light> + use<'a> {
+    let mut lights = blob.lights();
+    let own = lights.next().map_or(Light::white(first), |light| Light {
+        towards: first,
+        ..light
+    });
+    core::iter::once(own).chain(lights)
 }
 
 /// `camera` in the axes and the unit of the instance's cube; `None` when that is farther away than

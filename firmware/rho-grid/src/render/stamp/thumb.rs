@@ -240,7 +240,7 @@ unsafe extern "C" {
 #[inline(always)]
 pub(super) fn stamp(
     stamps: &Stamps<'_>,
-    parents: &Parents<'_, '_>,
+    parents: &Parents<'_, '_, u16>,
     pixels: &mut [u8],
     tones: &[u8; COUNT],
 ) {
