@@ -95,13 +95,19 @@ impl Preset {
 
     /// The number, among `grids`, of the coarsest that is fine enough for a cube at the origin as
     /// `camera` sees it, else of the finest; 0 when there are none.
+    ///
+    /// Fine enough is also what has as many leaves as a surface would have with two and a half a
+    /// square of the cells wanted: foliage fills its cube, and a finer grid of it would only draw more
+    /// samples into the same pixels.
     #[must_use]
     pub fn choose<'a>(self, grids: impl Iterator<Item = Grid<'a>>, camera: &Camera) -> u16 {
         let cells = self.cells(camera);
         let fitting = |grid: &Grid<'_>| {
             let here = grid.cells(grid.subdivisions());
+            let dense = 2 * u64::from(grid.leaf_samples()) >= 5 * u64::from(cells).pow(2);
             // The coarsest that is fine enough, else the finest.
-            (here < cells, here.abs_diff(cells))
+            let fine = here >= cells || dense;
+            (!fine, if fine { here } else { u32::MAX - here })
         };
         let best = grids.enumerate().min_by_key(|(_, grid)| fitting(grid));
         best.map_or(0, |(index, _)| index as u16)
