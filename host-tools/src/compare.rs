@@ -116,7 +116,7 @@ pub fn compare(
         inside: count(&inside),
     };
     let ours_rgb = blackened(picture, &ours);
-    let theirs_rgb = blackened(reference, &theirs);
+    let theirs_rgb = &reference.rgb;
     let leaks = depths.map(|depths| {
         let values = depths.picture.values.iter().zip(&depths.reference.values);
         values
@@ -128,10 +128,10 @@ pub fn compare(
             .count()
     });
     Ok(Comparison {
-        psnr_union: psnr(&ours_rgb, &theirs_rgb, &union),
-        psnr_inside: psnr(&ours_rgb, &theirs_rgb, &inside),
+        psnr_union: psnr(&ours_rgb, theirs_rgb, &union),
+        psnr_inside: psnr(&ours_rgb, theirs_rgb, &inside),
         ssim: bounding_box(&union, width as usize)
-            .map(|region| ssim(&ours_rgb, &theirs_rgb, width as usize, region)),
+            .map(|region| ssim(&ours_rgb, theirs_rgb, width as usize, region)),
         iou: if pixels.union == 0 {
             1.0
         } else {

@@ -21,6 +21,7 @@ pub mod mesh;
 pub mod model;
 pub mod palette;
 pub mod panel;
+pub mod paper;
 pub mod peak;
 pub mod peer;
 pub mod picture;

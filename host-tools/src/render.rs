@@ -1,5 +1,7 @@
 //! A frame computed on the PC by the device's own renderer.
 
+use std::ops::Range;
+
 use fixed::traits::ToFixed;
 use glam::DVec3;
 use rho_grid::blob::Blob;
@@ -8,11 +10,15 @@ use rho_grid::camera::Camera;
 use rho_grid::frame::Frame;
 use rho_grid::mode::{FrameMode, Mode, VisibilityMode};
 use rho_grid::q::Unit;
-use rho_grid::render::{self, Canvas, EyeOrder, Rect, Tones, Visibility, ZBuffer, tone_words};
+use rho_grid::render::{
+    self, Blend, Canvas, EyeOrder, Rect, Tones, Visibility, ZBuffer, bands, quarter_words,
+    tone_words,
+};
 use rho_grid::scene::{Arrangement, Placed, SceneTones, Turn};
-use rho_grid::shading::{Palette, Shade, Shading, ToneTable};
+use rho_grid::shading::{Shade, Shading};
 
 use crate::failure::{Failure, Outcome};
+use crate::picture::Picture;
 use crate::view::View;
 
 /// Pixels a row of the widest picture.
@@ -31,6 +37,8 @@ pub struct Drawn {
     pub background: u16,
     /// A pixel's distance along the optical axis in cube units, NaN where nothing is drawn.
     pub depth: Vec<f32>,
+    /// How much of each pixel is covered, 0 to 255, where quarters of pixels tell.
+    pub coverage: Option<Vec<u8>>,
 }
 
 impl Drawn {
@@ -38,6 +46,15 @@ impl Drawn {
     #[must_use]
     pub fn pixels(&self) -> usize {
         self.words.iter().filter(|w| **w != self.background).count()
+    }
+
+    /// The frame as a picture, with its coverage.
+    #[must_use]
+    pub fn picture(&self) -> Picture {
+        Picture {
+            coverage: self.coverage.clone(),
+            ..Picture::from_rgb565(self.width.into(), self.height.into(), &self.words)
+        }
     }
 
     /// CRC-32 over the words, little-endian, rows from the top.
@@ -104,42 +121,42 @@ pub fn render_from(
         buffer: vec![u16::MAX; pixels],
     };
     let internal = |what: &str| Failure::input(format!("{what} (an error in rho)"));
-    if mode.frame == FrameMode::Tones {
-        let mut table = ToneTable::empty();
-        let mut tones = Box::new(SceneTones::empty());
-        let coloured = blob.grids().any(|grid| grid.layout().colour > 0);
-        let is_plain = !blob.is_scene() && !coloured;
-        if !is_plain {
-            let instances = arrangement.turns().iter().map(|turn| turn.instance);
-            tones.prepare(blob, instances, camera, towards);
+    let mut coverage = None;
+    let mut tones = Box::new(SceneTones::empty());
+    let instances = arrangement.turns().iter().map(|turn| turn.instance);
+    tones.prepare(blob, instances, camera, towards);
+    let palette = tones.palette(blob);
+    if mode.frame == FrameMode::Quarters {
+        if camera.in_quarters().is_none() {
+            let largest = Camera::MAX_QUARTERED;
+            return Err(Failure::input(format!(
+                "a picture in quarters has at most {largest} x {largest} pixels"
+            ))
+            .help("give a smaller --size, or --frame tones"));
         }
+        stage.depth = vec![f32::NAN; 4 * pixels];
+        stage.buffer = vec![u16::MAX; 4 * pixels];
+        let blend = Blend::new(&palette);
+        let mut buffer = vec![0; quarter_words(WIDEST)];
+        for rows in bands(height) {
+            let first = usize::from(rows.start / 2) * usize::from(width);
+            let mut band = WideTones::band(&mut buffer, 2 * width, rows.clone())
+                .ok_or_else(|| internal("frame size"))?;
+            stage.tones(
+                arrangement.turns(),
+                towards,
+                &mut tones,
+                &mut band,
+                Some(rows),
+            )?;
+            blend.rows(&band, &mut words[first..], width);
+        }
+        coverage = Some(stage.gather(usize::from(width)));
+    } else if mode.frame == FrameMode::Tones {
         let mut buffer = vec![0; tone_words(WIDEST, height)];
-        let mut frame = Tones::<WIDEST, { 3 * WIDEST + 4 }>::cleared(&mut buffer, width, height)
-            .ok_or_else(|| internal("frame size"))?;
-        let mut reach: Option<Rect> = None;
-        for turn in arrangement.turns() {
-            let Some(placed) = stage.placed(*turn)? else {
-                continue;
-            };
-            let drawn = if is_plain {
-                table.shade(placed.grid.layout(), blob.materials().len(), towards);
-                stage.draw(*turn, &placed, &table, &mut frame)
-            } else {
-                tones.shade(blob, &placed, &placed.lighting(blob, towards));
-                stage.draw(*turn, &placed, &*tones, &mut frame)
-            };
-            reach = reach.into_iter().chain(drawn).reduce(Rect::with);
-            if turn.is_last
-                && let Some(reach) = reach.take()
-            {
-                frame.fill(reach);
-            }
-        }
-        let palette = if is_plain {
-            Palette::new(blob.materials(), blob.background())
-        } else {
-            tones.palette(blob.background())
-        };
+        let mut frame =
+            WideTones::cleared(&mut buffer, width, height).ok_or_else(|| internal("frame size"))?;
+        stage.tones(arrangement.turns(), towards, &mut tones, &mut frame, None)?;
         let tones = frame.rows().flatten();
         words = tones.map(|tone| palette.colour(*tone)).collect();
     } else {
@@ -170,8 +187,34 @@ pub fn render_from(
         words,
         background: blob.background(),
         depth,
+        coverage,
     })
 }
+
+/// The picture of a frame that a device has drawn in this mode. A wire carries no coverage: where
+/// quarters of pixels tell it, it is that of the same frame drawn here.
+///
+/// # Errors
+/// As [`render_from`].
+pub fn picture(
+    drawn: (u16, u16, &[u16]),
+    blob: &Blob<'_>,
+    camera: &Camera,
+    towards: [Unit; 3],
+    mode: Mode,
+) -> Outcome<Picture> {
+    let (width, height, words) = drawn;
+    if mode.frame == FrameMode::Quarters {
+        let ours = render_from(blob, camera, towards, mode)?;
+        if ours.words == words {
+            return Ok(ours.picture());
+        }
+    }
+    Ok(Picture::from_rgb565(width.into(), height.into(), words))
+}
+
+/// Tones in rows for the widest picture.
+type WideTones<'a> = Tones<'a, WIDEST, { 3 * WIDEST + 4 }>;
 
 /// What the instances of a frame have in common.
 struct Stage<'a> {
@@ -192,11 +235,64 @@ impl<'a> Stage<'a> {
     fn placed(&mut self, turn: Turn) -> Outcome<Option<Placed<'a>>> {
         let placed = Placed::new(self.blob, turn.instance, self.camera, self.mode);
         if let Some(placed) = &placed {
+            let quarters = placed.camera.in_quarters();
+            let quarters = quarters.filter(|_| self.mode.frame == FrameMode::Quarters);
+            let seen = quarters.as_ref().unwrap_or(&placed.camera);
             self.tables
-                .prepare(&placed.camera, &placed.grid, self.mode.cell_size)
+                .prepare(seen, &placed.grid, self.mode.cell_size)
                 .map_err(|e| Failure::input(e.to_string()))?;
         }
         Ok(placed)
+    }
+
+    /// Draws all instances into a frame of tones, which is filled, or a band of quarters with these
+    /// rows.
+    fn tones(
+        &mut self,
+        turns: &[Turn],
+        towards: [Unit; 3],
+        tones: &mut SceneTones,
+        frame: &mut WideTones<'_>,
+        rows: Option<Range<u16>>,
+    ) -> Outcome {
+        let mut reach: Option<Rect> = None;
+        for turn in turns {
+            let Some(placed) = self.placed(*turn)? else {
+                continue;
+            };
+            if let Some(rows) = &rows {
+                self.tables.see_rows(rows.clone());
+            }
+            tones.shade(self.blob, &placed, towards);
+            let drawn = self.draw(*turn, &placed, &*tones, frame);
+            reach = reach.into_iter().chain(drawn).reduce(Rect::with);
+            if turn.is_last
+                && let Some(reach) = reach.take().filter(|_| rows.is_none())
+            {
+                frame.fill(reach);
+            }
+        }
+        Ok(())
+    }
+
+    /// Of the depths of quarters, those of pixels: of the first quarter that has one. Returns how
+    /// much of each pixel is covered.
+    fn gather(&mut self, width: usize) -> Vec<u8> {
+        let (depth, coverage) = self
+            .depth
+            .chunks_exact(4 * width)
+            .flat_map(|two| {
+                let (upper, lower) = two.split_at(2 * width);
+                upper.as_chunks().0.iter().zip(lower.as_chunks().0)
+            })
+            .map(|(&[a, b], &[c, d]): (&[f32; 2], &[f32; 2])| {
+                let covered = [a, b, c, d].into_iter().filter(|depth| depth.is_finite());
+                let first = covered.clone().next().unwrap_or(f32::NAN);
+                (first, (covered.count() * 255).div_ceil(4) as u8)
+            })
+            .unzip();
+        self.depth = depth;
+        coverage
     }
 
     /// Draws an instance in its turn; returns the pixels that it may reach.
@@ -265,7 +361,7 @@ impl<'a, V: Visibility> Recorder<'a, V> {
         Self {
             inner,
             depth,
-            width: u32::from(placed.camera.width),
+            width: tables.width(),
             unit: side * (-f64::from(tables.w_bits())).exp2(),
         }
     }
@@ -284,6 +380,10 @@ impl<V: Visibility> Visibility for Recorder<'_, V> {
 
     fn is_open(&self, x: u32, y: u32) -> bool {
         self.inner.is_open(x, y)
+    }
+
+    fn holds(&self, x: i32, y: i32) -> bool {
+        self.inner.holds(x, y)
     }
 
     fn shows(&self, x: u32, y: u32, w: i32) -> bool {

@@ -63,6 +63,7 @@ fn no_view_overflows_in_any_mode() {
                 VisibilityMode::Z => FrameMode::Words,
             },
             grid: random.bits() as u16 % blob.grid_count(),
+            fineness: None,
             cell_size: PixelSize::from_bits((random.bits() as u16) >> (random.bits() % 16)),
         };
         // A focal length beyond its Q format is refused by name; everything else is drawn.

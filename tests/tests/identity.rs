@@ -67,6 +67,7 @@ fn modes() -> Vec<Mode> {
     for (visibility, frame) in [
         (VisibilityMode::Eye, FrameMode::Words),
         (VisibilityMode::Eye, FrameMode::Tones),
+        (VisibilityMode::Eye, FrameMode::Quarters),
         (VisibilityMode::Z, FrameMode::Words),
     ] {
         for &footprint in FootprintMode::ALL {

@@ -7,7 +7,7 @@ use core::mem::MaybeUninit;
 use cortex_m_rt::entry;
 use rho_mps2_an385::{Clock, end, end_without_panel, line, model, panel};
 use rho_viewer::flow::{self, Device};
-use rho_viewer::picture::Memory;
+use rho_viewer::picture::{Frames, Memory};
 use rho_viewer::request::MAX_LINE;
 use rho_viewer::size::{PIXELS, Words};
 
@@ -25,8 +25,10 @@ fn main() -> ! {
         screen,
         counter: Clock,
         flash: model(),
-        words: WORDS,
-        memory: MEMORY,
+        painter: &mut Frames {
+            words: WORDS,
+            memory: MEMORY,
+        },
     };
     end(flow::run(&mut device, line))
 }

@@ -45,6 +45,8 @@ pub enum FrameMode {
     Words,
     /// A byte a pixel, an index of 128 tones; for eye order only.
     Tones,
+    /// A byte a quarter of a pixel, in bands, blended into RGB565 words; for eye order only.
+    Quarters,
 }
 
 /// A tuple of choices by name: how fine a picture, and all that draws it fastest.
@@ -60,6 +62,8 @@ pub enum Preset {
     Balanced,
     /// A cell is about a pixel.
     Fine,
+    /// In quarters of pixels, blended, from cells a little smaller than those of [`Preset::Fine`].
+    Finest,
 }
 
 impl Preset {
@@ -69,13 +73,14 @@ impl Preset {
             Self::Fast => 62,
             Self::Balanced => 82,
             Self::Fine => 123,
+            Self::Finest => 140,
         }
     }
 
     /// How this preset draws `blob` as `camera` sees it.
     #[must_use]
     pub fn mode(self, blob: &Blob<'_>, camera: &Camera) -> Mode {
-        let index = self.choose(blob.grids(), camera);
+        let index = choose(blob.grids(), self.cells(camera));
         let discs = blob.grid(index).is_none_or(|grid| grid.layout().offset > 0);
         Mode {
             visibility: VisibilityMode::Eye,
@@ -86,31 +91,14 @@ impl Preset {
                 FootprintMode::Box
             },
             reciprocal: ReciprocalMode::Divide,
-            frame: FrameMode::Tones,
+            frame: match self {
+                Self::Finest => FrameMode::Quarters,
+                _ => FrameMode::Tones,
+            },
             grid: if blob.is_scene() { 0 } else { index },
             fineness: blob.is_scene().then_some(self),
             ..Mode::default()
         }
-    }
-
-    /// The number, among `grids`, of the coarsest that is fine enough for a cube at the origin as
-    /// `camera` sees it, else of the finest; 0 when there are none.
-    ///
-    /// Fine enough is also what has as many leaves as a surface would have with two and a half a
-    /// square of the cells wanted: foliage fills its cube, and a finer grid of it would only draw more
-    /// samples into the same pixels.
-    #[must_use]
-    pub fn choose<'a>(self, grids: impl Iterator<Item = Grid<'a>>, camera: &Camera) -> u16 {
-        let cells = self.cells(camera);
-        let fitting = |grid: &Grid<'_>| {
-            let here = grid.cells(grid.subdivisions());
-            let dense = 2 * u64::from(grid.leaf_samples()) >= 5 * u64::from(cells).pow(2);
-            // The coarsest that is fine enough, else the finest.
-            let fine = here >= cells || dense;
-            (!fine, if fine { here } else { u32::MAX - here })
-        };
-        let best = grids.enumerate().min_by_key(|(_, grid)| fitting(grid));
-        best.map_or(0, |(index, _)| index as u16)
     }
 
     /// Cells an axis, rounded up, that a cube at the origin should have.
@@ -125,6 +113,25 @@ impl Preset {
         let root = side.isqrt();
         (root * self.fineness()).div_ceil(2560) as u32
     }
+}
+
+/// The number, among `grids`, of the coarsest that has as many cells an axis, else of the finest; 0
+/// when there are none.
+///
+/// Fine enough is also what has as many leaves as a surface would have with two and a half a square of
+/// the cells wanted: foliage fills its cube, and a finer grid of it would only draw more samples into
+/// the same pixels.
+#[must_use]
+pub fn choose<'a>(grids: impl Iterator<Item = Grid<'a>>, cells: u32) -> u16 {
+    let fitting = |grid: &Grid<'_>| {
+        let here = grid.cells(grid.subdivisions());
+        let dense = 2 * u64::from(grid.leaf_samples()) >= 5 * u64::from(cells).pow(2);
+        // The coarsest that is fine enough, else the finest.
+        let fine = here >= cells || dense;
+        (!fine, if fine { here } else { u32::MAX - here })
+    };
+    let best = grids.enumerate().min_by_key(|(_, grid)| fitting(grid));
+    best.map_or(0, |(index, _)| index as u16)
 }
 
 /// A renderer and its one threshold.
@@ -220,11 +227,13 @@ names!(
     ReciprocalMode::Divide => "divide", ReciprocalMode::Table => "table"
 );
 names!(
-    Preset, "fast, balanced, fine",
-    Preset::Fast => "fast", Preset::Balanced => "balanced", Preset::Fine => "fine"
+    Preset, "fast, balanced, fine, finest",
+    Preset::Fast => "fast", Preset::Balanced => "balanced", Preset::Fine => "fine",
+    Preset::Finest => "finest"
 );
 names!(
-    FrameMode, "words, tones", FrameMode::Words => "words", FrameMode::Tones => "tones"
+    FrameMode, "words, tones, quarters",
+    FrameMode::Words => "words", FrameMode::Tones => "tones", FrameMode::Quarters => "quarters"
 );
 
 #[cfg(test)]
@@ -264,6 +273,7 @@ mod tests {
         assert_eq!(cells(Preset::Fast), [81, 41]);
         assert_eq!(cells(Preset::Balanced), [107, 54]);
         assert_eq!(cells(Preset::Fine), [160, 80]);
+        assert_eq!(cells(Preset::Finest), [206, 103]);
         // At and in the cube, and at any zoom, there is an answer.
         assert_eq!(
             Preset::Fine.cells(&camera(0.0)),

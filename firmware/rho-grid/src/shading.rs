@@ -20,9 +20,10 @@ pub trait Shade {
     /// The colour of a sample with the normal `index` (13 bits) and the first material.
     fn of_normal(&self, index: u32) -> u16;
 
-    /// The tones of the first material, if colours are tones.
+    /// The tones by normal (13 bits), or by normal (11 bits) and material (3 bits) if `both` are
+    /// asked, if it has such a table.
     #[cfg(rho_thumb)]
-    fn tones(&self) -> Option<&[u8; COUNT]> {
+    fn tones(&self, _both: bool) -> Option<&[u8]> {
         None
     }
 }
@@ -37,6 +38,8 @@ pub struct Shading<'a> {
     normal: u32,
     /// From the layout's normals to those of 13 bits.
     lift: u32,
+    /// Bits under the material.
+    under_material: u32,
     /// The bits of the material.
     material: u32,
     /// Words carry colours, and the table is the light on white.
@@ -92,6 +95,7 @@ impl<'a> Shading<'a> {
             under_normal: u32::from(layout.offset + layout.material) & 31,
             normal: layout.normal_of(u32::MAX),
             lift: lift(layout),
+            under_material: u32::from(layout.offset) & 31,
             material: layout.material_of(u32::MAX),
             is_coloured: false,
         })
@@ -158,7 +162,8 @@ impl Shade for Shading<'_> {
     #[inline(always)]
     fn colour(&self, word: u32) -> u16 {
         let normal = ((word >> self.under_normal) & self.normal) << self.lift;
-        let index = (word & self.material) << BITS | normal;
+        let material = word >> self.under_material & self.material;
+        let index = material << BITS | normal;
         let colour = self.colours.get(index as usize).copied().unwrap_or(0);
         if self.is_coloured {
             return product(colour, (word >> 16) as u16);
@@ -172,100 +177,90 @@ impl Shade for Shading<'_> {
     }
 }
 
-/// How bright each normal is, for frames of a byte a pixel.
+/// Shades all normals of one model under one white light towards `towards`, a unit vector in the
+/// grid's own axes: tones of the first of `materials`, doubled, plus one. From a material's tones to
+/// the next one's are twice [`steps`].
 ///
 /// The palette is divided evenly among the materials: with one there are 128 steps from dark to
-/// bright, twice as many as a channel of RGB565 has; with eight there are 16.
-#[derive(Clone, Debug)]
-pub struct ToneTable {
-    /// Doubled, plus one ([`Tones`](crate::render::Tones)); of the first material.
-    tones: [u8; COUNT],
-    /// From a material's tones to the next one's.
-    per_material: u32,
-    under_normal: u32,
-    /// From the layout's normals to those of 13 bits.
-    lift: u32,
-    material: u32,
-}
-
-impl ToneTable {
-    /// Not yet filled: everything is open.
-    #[must_use]
-    pub const fn empty() -> Self {
-        Self {
-            tones: [0; COUNT],
-            per_material: 0,
-            under_normal: 0,
-            lift: 0,
-            material: 0,
-        }
-    }
-
-    /// Shades all normals with a light towards `towards`, a unit vector in the grid's own axes.
-    ///
-    /// Of two opposite normals one faces away from the light, so four sums shade eight normals.
-    pub fn shade(&mut self, layout: Layout, materials: usize, towards: [Unit; 3]) {
-        let steps = steps(materials) as i32;
-        self.per_material = 2 * steps as u32;
-        self.under_normal = u32::from(layout.offset + layout.material) & 15;
-        self.lift = 13u32.saturating_sub(u32::from(layout.normal));
-        self.material = layout.material_of(u32::MAX);
-        // The brightest step at 2^8; with a normal's 2^14, a step is 2^22.
-        let [lx, ly, lz] = towards.map(|c| (i32::from(c.to_bits()) * (steps - 1)) >> 6);
-        let (front, opposite) = self.tones.split_at_mut(COUNT / 2);
-        let (front, _) = front.as_chunks_mut::<OCTANT>();
-        let (opposite, _) = opposite.as_chunks_mut::<OCTANT>();
-        let ([f0, f1, f2, f3], [b0, b1, b2, b3]) = (front, opposite) else {
-            return;
-        };
-        // Half a step is added, so that a step is rounded to nearest; doubled, plus one. What faces
-        // away is negative, and dark.
-        let half = 1 << 21;
-        let tone = |sum: i32| ((sum >> 21).clamp(0, 255) | 1) as u8;
-        let pair = |front: &mut u8, opposite: &mut u8, sum: i32| {
-            *front = tone(half + sum);
-            *opposite = tone(half - sum);
-        };
-        let fronts = f0.iter_mut().zip(f1).zip(f2).zip(f3);
-        let opposites = b0.iter_mut().zip(b1).zip(b2).zip(b3);
-        for ((face, (((f0, f1), f2), f3)), (((b0, b1), b2), b3)) in
-            FACES.iter().zip(fronts).zip(opposites)
-        {
-            let [x, y, z] = face.map(i32::from);
-            let (x, y, z) = (x * lx, y * ly, z * lz);
-            pair(f0, b3, x + y + z);
-            pair(f1, b2, x + y - z);
-            pair(f2, b1, x - y + z);
-            pair(f3, b0, x - y - z);
-        }
-    }
-}
-
-impl Shade for ToneTable {
-    #[cfg(rho_thumb)]
-    fn tones(&self) -> Option<&[u8; COUNT]> {
-        Some(&self.tones)
-    }
-
-    /// A tone.
-    #[inline(always)]
-    fn colour(&self, word: u32) -> u16 {
-        let material = (word & self.material) * self.per_material;
-        self.of_normal(word >> self.under_normal << self.lift) + material as u16
-    }
-
-    #[inline(always)]
-    fn of_normal(&self, index: u32) -> u16 {
-        let tone = self.tones.get(index as usize % COUNT);
-        tone.copied().unwrap_or(0).into()
+/// bright, twice as many as a channel of RGB565 has; with eight there are 16. Of two opposite normals
+/// one faces away from the light, so four sums shade eight normals.
+pub(crate) fn even_tones(tones: &mut [u8; COUNT], materials: usize, towards: [Unit; 3]) {
+    let steps = steps(materials) as i32;
+    // The brightest step at 2^8; with a normal's 2^14, a step is 2^22.
+    let [lx, ly, lz] = towards.map(|c| (i32::from(c.to_bits()) * (steps - 1)) >> 6);
+    let (front, opposite) = tones.split_at_mut(COUNT / 2);
+    let (front, _) = front.as_chunks_mut::<OCTANT>();
+    let (opposite, _) = opposite.as_chunks_mut::<OCTANT>();
+    let ([f0, f1, f2, f3], [b0, b1, b2, b3]) = (front, opposite) else {
+        return;
+    };
+    // Half a step is added, so that a step is rounded to nearest; doubled, plus one. What faces
+    // away is negative, and dark.
+    let half = 1 << 21;
+    let tone = |sum: i32| ((sum >> 21).clamp(0, 255) | 1) as u8;
+    let pair = |front: &mut u8, opposite: &mut u8, sum: i32| {
+        *front = tone(half + sum);
+        *opposite = tone(half - sum);
+    };
+    let fronts = f0.iter_mut().zip(f1).zip(f2).zip(f3);
+    let opposites = b0.iter_mut().zip(b1).zip(b2).zip(b3);
+    for ((face, (((f0, f1), f2), f3)), (((b0, b1), b2), b3)) in
+        FACES.iter().zip(fronts).zip(opposites)
+    {
+        let [x, y, z] = face.map(i32::from);
+        let (x, y, z) = (x * lx, y * ly, z * lz);
+        pair(f0, b3, x + y + z);
+        pair(f1, b2, x + y - z);
+        pair(f2, b1, x - y + z);
+        pair(f3, b0, x - y - z);
     }
 }
 
 /// Steps from dark to bright of each of `materials`.
-const fn steps(materials: usize) -> usize {
+pub(crate) const fn steps(materials: usize) -> usize {
     match materials {
         0 | 1 => TONES,
         _ => TONES / materials,
+    }
+}
+
+/// A colour that can be averaged: levels of RGB565 in eighths (red, blue) and quarters (green), ten bits
+/// each, of which a colour takes eight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Addend(u32);
+
+impl Addend {
+    fn new([red, green, blue]: [u32; 3]) -> Self {
+        Self(red << 20 | green << 10 | blue)
+    }
+
+    /// Of red, green, blue of Q15, 0 to 1.
+    fn of_channels([red, green, blue]: [u32; 3]) -> Self {
+        let channel = |value: u32, levels: u32| (value * levels + (1 << 14)) >> 15;
+        Self::new([
+            channel(red, 31 * 8),
+            channel(green, 63 * 4),
+            channel(blue, 31 * 8),
+        ])
+    }
+
+    /// Of a colour without fractions.
+    fn of(colour: u16) -> Self {
+        let colour = u32::from(colour);
+        Self::new([
+            colour >> 11 << 3,
+            (colour >> 5 & 63) << 2,
+            (colour & 31) << 3,
+        ])
+    }
+
+    /// The mean of four, RGB565, each channel rounded to nearest.
+    #[inline(always)]
+    #[must_use]
+    pub fn mean([a, b, c, d]: [Self; 4]) -> u16 {
+        // At most 4 x 255 a channel, half a level included, so none reaches into the next.
+        let sum = a.0 + b.0 + c.0 + d.0 + (16 << 20 | 8 << 10 | 16);
+        ((sum >> 14) & 0xF800 | (sum >> 9) & 0x07E0 | (sum >> 5) & 0x1F) as u16
     }
 }
 
@@ -273,6 +268,7 @@ const fn steps(materials: usize) -> usize {
 #[derive(Clone, Debug)]
 pub struct Palette {
     colours: [u16; TONES],
+    addends: [Addend; TONES],
     background: u16,
 }
 
@@ -282,14 +278,18 @@ impl Palette {
     pub fn new(materials: impl ExactSizeIterator<Item = Material>, background: u16) -> Self {
         let steps = steps(materials.len());
         let mut colours = [background; TONES];
-        for (material, colours) in materials.zip(colours.chunks_mut(steps)) {
-            for (step, colour) in colours.iter_mut().enumerate() {
-                let lit = (step << 15) / (steps - 1);
-                *colour = shade(&material, lit as u32);
+        let mut addends = [Addend::of(background); TONES];
+        let tones = colours.chunks_mut(steps).zip(addends.chunks_mut(steps));
+        for (material, (colours, addends)) in materials.zip(tones) {
+            for (step, (colour, addend)) in colours.iter_mut().zip(addends).enumerate() {
+                let lit = ((step << 15) / (steps - 1)) as u32;
+                *colour = shade(&material, lit);
+                *addend = Addend::of_channels(lit_by_one(&material, lit));
             }
         }
         Self {
             colours,
+            addends,
             background,
         }
     }
@@ -297,17 +297,20 @@ impl Palette {
     /// For tones of these colours.
     #[must_use]
     pub fn of_tones(colour: impl Fn(u8) -> Rgb, background: u16) -> Self {
-        let mut colours = [background; TONES];
-        for (tone, slot) in (0..).zip(&mut colours) {
-            // 8 bits to 5 and 6, to nearest.
-            let channel =
-                |shift: u32, levels: u32| ((colour(tone) >> shift & 255) * levels + 127) / 255;
-            *slot = (channel(16, 31) << 11 | channel(8, 63) << 5 | channel(0, 31)) as u16;
-        }
-        Self {
-            colours,
+        let mut palette = Self {
+            colours: [background; TONES],
+            addends: [Addend::of(background); TONES],
             background,
+        };
+        let slots = palette.colours.iter_mut().zip(&mut palette.addends);
+        for (tone, (slot, addend)) in (0..).zip(slots) {
+            // 8 bits to Q15, to nearest.
+            let rgb = colour(tone);
+            let channels = [16, 8, 0].map(|shift| (((rgb >> shift & 255) << 15) + 127) / 255);
+            *slot = lighting::rgb565(channels);
+            *addend = Addend::of_channels(channels);
         }
+        palette
     }
 
     /// The colour of a pixel, RGB565.
@@ -319,16 +322,29 @@ impl Palette {
         let colour = self.colours.get(usize::from(tone >> 1)).copied();
         colour.unwrap_or(self.background)
     }
+
+    /// The colour of a pixel, to be averaged.
+    #[must_use]
+    pub fn addend(&self, tone: u8) -> Addend {
+        let addend = self.addends.get(usize::from(tone >> 1)).copied();
+        let covered = addend.filter(|_| tone & 1 == 1);
+        covered.unwrap_or(Addend::of(self.background))
+    }
 }
 
 /// The colour under `lit` = max(0, n.l) of one white light (32768 = 1), RGB565.
 fn shade(material: &Material, lit: u32) -> u16 {
+    lighting::rgb565(lit_by_one(material, lit))
+}
+
+/// Red, green, blue of Q15, 0 to 1, under `lit` of one white light.
+fn lit_by_one(material: &Material, lit: u32) -> [u32; 3] {
     let channel = |ambient: u16, diffuse: u16| {
         let value = u32::from(ambient) + ((u32::from(diffuse) * lit + (1 << 14)) >> 15);
         value.min(1 << 15)
     };
     let ([ar, ag, ab], [dr, dg, db]) = (material.ambient, material.diffuse);
-    lighting::rgb565([channel(ar, dr), channel(ag, dg), channel(ab, db)])
+    [channel(ar, dr), channel(ag, dg), channel(ab, db)]
 }
 
 #[cfg(test)]
@@ -367,16 +383,14 @@ mod tests {
         let light = [-0.48, 0.6, 0.64f64];
         let towards = light.map(|v| Unit::from_bits((v * 16384.0).round() as i16));
         for materials in [1, 3, 8] {
-            let mut table = ToneTable::empty();
-            table.shade(Layout::MATERIAL, materials, towards);
+            let mut tones = [0; COUNT];
+            even_tones(&mut tones, materials, towards);
             let last = (steps(materials) - 1) as f64;
-            for index in 0..COUNT as u32 {
+            for (index, tone) in (0..).zip(tones) {
                 let n = crate::normal::normal(index).map(|c| f64::from(c.to_bits()) / 16384.0);
                 let dot: f64 = (0..3).map(|k| n[k] * light[k]).sum();
-                let tone = table.colour(index << 3 | (materials - 1) as u32);
-                let first = (materials - 1) * steps(materials);
                 assert_eq!(tone & 1, 1);
-                let step = f64::from(tone >> 1) - first as f64;
+                let step = f64::from(tone >> 1);
                 assert!((step - dot.max(0.0) * last).abs() < 0.62, "{index}: {step}");
             }
         }

@@ -2,31 +2,30 @@
 
 use core::fmt::{self, Write};
 
-use crate::size::{HEIGHT, WIDTH, Words};
+use crc::{Digest, Table};
 use rho_grid::blob::format::CRC;
-use rho_grid::frame::Frame;
 
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::message;
+use crate::painter::{Give, PaintError, Painter, infallible};
 use crate::panel::{Screen, ScreenError};
-use crate::picture::{Memory, Model, ModelError};
+use crate::picture::{Model, ModelError};
 use crate::report::{Exit, Report};
 use crate::request::{Request, RequestError};
+use crate::size::{HEIGHT, WIDTH};
 use crate::test_card;
 
 /// What a board hands over.
 #[derive(Debug)]
-pub struct Device<'a, S, C> {
-    /// Shows frames.
+pub struct Device<'a, S, C, P> {
+    /// Shows pictures.
     pub screen: S,
     /// Tells what they cost.
     pub counter: C,
     /// The flash in which a model may lie, from its first byte.
     pub flash: &'a [u8],
-    /// Where frames are drawn.
-    pub words: &'a mut Words,
-    /// What drawing a model needs beside.
-    pub memory: &'a mut Memory,
+    /// Draws them.
+    pub painter: &'a mut P,
 }
 
 /// Why there is no picture.
@@ -71,31 +70,62 @@ impl From<ScreenError> for Stop {
     }
 }
 
+impl From<PaintError> for Stop {
+    fn from(error: PaintError) -> Self {
+        match error {
+            PaintError::Model(error) => Self::Model(error),
+            PaintError::Screen(error) => Self::Screen(error),
+        }
+    }
+}
+
 /// Does what the line asks for. What cannot be done is told on the panel and in the report.
 ///
-/// A picture is drawn twice and the second one is counted: so it clears what the first one
-/// left behind, as every frame but the very first does.
-pub fn run<S: Screen, C: Counter>(device: &mut Device<'_, S, C>, line: &str) -> Report {
+/// A picture is drawn twice. The first is summed up; the second is counted and sent, and clears
+/// what the first one left behind, as every frame but the very first does.
+pub fn run<S: Screen, C: Counter, P: Painter>(
+    device: &mut Device<'_, S, C, P>,
+    line: &str,
+) -> Report {
     let mut report = Report::default();
     if let Err(stop) = answer(device, line, &mut report) {
         report.exit = stop.exit();
         // Cut, if ever longer than the longest message.
         let _ = write!(report.message, "{stop}");
         (report.width, report.height) = (WIDTH, HEIGHT);
-        let canvas = &mut Frame::of_width(device.words.as_mut_slice(), WIDTH);
-        let Ok(()) = message::draw(canvas, "Nothing to show", &report.message);
         // When the panel is what failed, the report still tells.
-        if device.screen.show(device.words, WIDTH, HEIGHT).is_err() {
+        if tell(device, &mut report).is_err() {
             report.exit = Exit::Panel;
         }
     }
-    let pixels = usize::from(report.width) * usize::from(report.height);
-    report.frame_crc32 = crc32(device.words.get(..pixels).unwrap_or(&[]));
     report
 }
 
-fn answer<S: Screen, C: Counter>(
-    device: &mut Device<'_, S, C>,
+/// Shows the report's message.
+fn tell<S: Screen, C: Counter, P: Painter>(
+    device: &mut Device<'_, S, C, P>,
+    report: &mut Report,
+) -> Result<(), ScreenError> {
+    let message = report.message.clone();
+    let mut sum = CRC.digest();
+    let mut shown = device.screen.begin(WIDTH, HEIGHT);
+    let drawn = device.painter.shapes(
+        &|canvas| infallible(message::draw(canvas, "Nothing to show", &message)),
+        &mut Stopwatch::new(&device.counter),
+        &mut |words| {
+            add(&mut sum, words);
+            if shown.is_ok() {
+                shown = device.screen.rows(words);
+            }
+            Ok(())
+        },
+    );
+    report.frame_crc32 = sum.finalize();
+    drawn.and(shown)
+}
+
+fn answer<S: Screen, C: Counter, P: Painter>(
+    device: &mut Device<'_, S, C, P>,
     line: &str,
     report: &mut Report,
 ) -> Result<(), Stop> {
@@ -103,8 +133,7 @@ fn answer<S: Screen, C: Counter>(
         screen,
         counter,
         flash,
-        words,
-        memory,
+        painter,
     } = device;
     let request = Request::parse(line).map_err(Stop::Request)?;
     (report.width, report.height) = match &request {
@@ -118,48 +147,54 @@ fn answer<S: Screen, C: Counter>(
         Request::Model(_) => Some(Model::check(flash).map_err(Stop::Model)?),
         Request::TestCard | Request::CountLoop => None,
     };
-    let mut watch = Stopwatch::new(counter);
-    for _ in 0..2 {
-        watch.reset();
-        match (&request, &model) {
-            (Request::Model(scene), Some(model)) => {
-                model
-                    .draw(scene, words, memory, &mut watch)
-                    .map_err(Stop::Model)?;
-            }
-            _ => {
-                let canvas = &mut Frame::of_width(words.as_mut_slice(), WIDTH);
-                let Ok(()) = watch.time(Phase::Draw, || test_card::draw(canvas));
-            }
+    let watch = &mut Stopwatch::new(counter);
+    let mut draw = |watch: &mut Stopwatch<'_, C>, give: Give<'_>| match (&request, &model) {
+        (Request::Model(scene), Some(model)) => {
+            painter.model(model, scene, watch, give).map_err(Stop::from)
         }
-    }
+        _ => painter
+            .shapes(&|canvas| infallible(test_card::draw(canvas)), watch, give)
+            .map_err(Stop::from),
+    };
+    let mut sum = CRC.digest();
+    draw(watch, &mut |words| {
+        add(&mut sum, words);
+        Ok(())
+    })?;
+    report.frame_crc32 = sum.finalize();
+    watch.reset();
+    watch.time(Phase::Send, || screen.begin(report.width, report.height))?;
+    draw(watch, &mut |words| screen.rows(words))?;
     if request == Request::CountLoop {
         report.probes.extend(watch.self_test());
     }
-    let pixels = usize::from(report.width) * usize::from(report.height);
-    let frame = words.get(..pixels).ok_or(Stop::TooLarge)?;
-    watch.time(Phase::Send, || {
-        screen.show(frame, report.width, report.height)
-    })?;
     report.phases = watch.phases();
     Ok(())
+}
+
+/// Adds words to a sum, as little-endian bytes.
+fn add(sum: &mut Digest<'_, u32, Table<1>>, words: &[u16]) {
+    for word in words {
+        sum.update(&word.to_le_bytes());
+    }
 }
 
 /// CRC-32 of words as little-endian bytes.
 #[must_use]
 pub fn crc32(words: &[u16]) -> u32 {
-    let mut digest = CRC.digest();
-    for word in words {
-        digest.update(&word.to_le_bytes());
-    }
-    digest.finalize()
+    let mut sum = CRC.digest();
+    add(&mut sum, words);
+    sum.finalize()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::count::{PROBES, Probe};
+    use crate::picture::{Frames, Memory};
     use crate::size::PIXELS;
+    use crate::strips::Strips;
+    use rho_grid::frame::Frame;
     use std::boxed::Box;
     use std::vec::Vec;
 
@@ -184,26 +219,45 @@ mod tests {
     struct Shown(Vec<u16>, bool);
 
     impl Screen for Shown {
-        fn show(&mut self, words: &[u16], _: u16, _: u16) -> Result<(), ScreenError> {
-            self.0 = words.to_vec();
+        fn begin(&mut self, _: u16, _: u16) -> Result<(), ScreenError> {
+            self.0.clear();
+            Ok(())
+        }
+
+        fn rows(&mut self, words: &[u16]) -> Result<(), ScreenError> {
             if self.1 {
                 return Err(ScreenError::Wire);
             }
+            self.0.extend(words);
             Ok(())
         }
     }
 
     fn asked(line: &str, broken: bool) -> (Report, Vec<u16>) {
         let mut words = Box::new([0; PIXELS]);
+        let memory = &mut Memory::new();
         let mut device = Device {
             screen: Shown(Vec::new(), broken),
             counter: Still,
             flash: &[0; 64],
-            words: &mut words,
-            memory: &mut Memory::new(),
+            painter: &mut Frames {
+                words: &mut words,
+                memory,
+            },
         };
         let report = run(&mut device, line);
-        (report, device.screen.0)
+        let whole = device.screen.0;
+        let mut strips = Device {
+            screen: Shown(Vec::new(), broken),
+            counter: Still,
+            flash: &[0; 64],
+            painter: &mut Strips::new(),
+        };
+        let by_strips = run(&mut strips, line);
+        assert!(whole == strips.screen.0, "in strips it is the same");
+        assert_eq!(report.frame_crc32, by_strips.frame_crc32);
+        assert_eq!(report.message, by_strips.message);
+        (report, whole)
     }
 
     #[test]

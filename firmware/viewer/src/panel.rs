@@ -15,13 +15,31 @@ use mipidsi::options::{ColorOrder, Orientation};
 
 use crate::size::{HEIGHT, WIDTH};
 
-/// Something that shows a frame.
+/// Something that shows a picture.
 pub trait Screen {
-    /// Shows RGB565 words, `width` a row, rows from the top, in the upper left of the screen.
+    /// Begins a picture of this size in the upper left of the screen.
     ///
     /// # Errors
-    /// When the size is not that of the words or exceeds the screen, or the wire fails.
-    fn show(&mut self, words: &[u16], width: u16, height: u16) -> Result<(), ScreenError>;
+    /// When the size is nothing or exceeds the screen, or the wire fails.
+    fn begin(&mut self, width: u16, height: u16) -> Result<(), ScreenError>;
+
+    /// Shows its next rows, from the top: RGB565 words.
+    ///
+    /// # Errors
+    /// When they are more than the picture still wants, or the wire fails.
+    fn rows(&mut self, words: &[u16]) -> Result<(), ScreenError>;
+
+    /// Shows a whole picture, `width` words a row.
+    ///
+    /// # Errors
+    /// Those of [`Screen::begin`] and [`Screen::rows`], and when the size is not that of the words.
+    fn show(&mut self, words: &[u16], width: u16, height: u16) -> Result<(), ScreenError> {
+        if words.len() != usize::from(width) * usize::from(height) {
+            return Err(ScreenError::Size);
+        }
+        self.begin(width, height)?;
+        self.rows(words)
+    }
 }
 
 /// Why a screen shows nothing.
@@ -121,6 +139,8 @@ pub struct Ili9341<SPI, DC> {
     wire: Wire<SPI, DC>,
     /// Whether every pixel of the panel has been written since it was started.
     covered: bool,
+    /// Words that the picture still wants.
+    wanted: usize,
 }
 
 impl<SPI, DC> Ili9341<SPI, DC>
@@ -150,6 +170,7 @@ where
         Ok(Self {
             wire,
             covered: false,
+            wanted: 0,
         })
     }
 
@@ -177,18 +198,23 @@ where
     SPI: SpiDevice<u8> + SpiDevice<u16>,
     DC: OutputPin,
 {
-    fn show(&mut self, words: &[u16], width: u16, height: u16) -> Result<(), ScreenError> {
-        if width > WIDTH
-            || height > HEIGHT
-            || words.len() != usize::from(width) * usize::from(height)
-        {
+    fn begin(&mut self, width: u16, height: u16) -> Result<(), ScreenError> {
+        if width > WIDTH || height > HEIGHT {
             return Err(ScreenError::Size);
         }
         if !self.covered && (width, height) != (WIDTH, HEIGHT) {
             self.clear()?;
         }
         self.covered = true;
-        self.window(width, height)?;
+        self.wanted = usize::from(width) * usize::from(height);
+        self.window(width, height)
+    }
+
+    fn rows(&mut self, words: &[u16]) -> Result<(), ScreenError> {
+        self.wanted = self
+            .wanted
+            .checked_sub(words.len())
+            .ok_or(ScreenError::Size)?;
         self.wire.words(words)
     }
 }

@@ -7,13 +7,16 @@ use rho_grid::blob::{Blob, BlobError};
 use rho_grid::frame::Frame;
 use rho_grid::mode::{FrameMode, VisibilityMode};
 use rho_grid::render::{
-    Buffers, Canvas, EyeOrder, Rect, Tones, View, ViewError, Visibility, ZBuffer, draw_seen,
+    Blend, Buffers, EyeOrder, Tones, View, ViewError, ZBuffer, bands, draw_seen, quarter_words,
     tone_words,
 };
-use rho_grid::scene::{Arrangement, Placed, SceneTones, Turn};
-use rho_grid::shading::{Palette, Shade, Shading, ToneTable};
+use rho_grid::scene::{Arrangement, SceneTones};
+use rho_grid::shading::Shading;
 
 use crate::count::{Counter, Phase, Stopwatch};
+use crate::instances::{Every, Instances, draw_turn, place};
+use crate::painter::{Give, PaintError, Painter, Shapes, draw_part};
+use crate::panel::ScreenError;
 use crate::request::Scene;
 use crate::size::{HEIGHT, PIXELS, WIDTH, Words};
 
@@ -25,13 +28,59 @@ pub struct Memory {
     colours: [u16; Shading::words(MAX_MATERIALS)],
     coverage: [u32; EyeOrder::words(WIDTH, HEIGHT)],
     depth: [u16; PIXELS],
-    tone_table: ToneTable,
     scene_tones: SceneTones,
-    tones: [u32; tone_words(WIDTH as usize, HEIGHT)],
+    /// Of a whole frame, or of a band of quarters.
+    tones: [u32; TONE_WORDS],
+}
+
+/// Quarters a row, and from the first of a window of four rows to beyond its last.
+const QUARTERS: (usize, usize) = (2 * WIDTH as usize, 6 * WIDTH as usize + 4);
+
+pub(crate) const TONE_WORDS: usize = {
+    let frame = tone_words(WIDTH as usize, HEIGHT);
+    let band = quarter_words(QUARTERS.0);
+    if frame > band { frame } else { band }
+};
+
+/// Draws into a whole frame of words, in every mode.
+#[derive(Debug)]
+pub struct Frames<'a> {
+    /// The frame.
+    pub words: &'a mut Words,
+    /// What drawing a model needs beside.
+    pub memory: &'a mut Memory,
+}
+
+impl Painter for Frames<'_> {
+    fn model<C: Counter>(
+        &mut self,
+        model: &Model<'_>,
+        scene: &Scene,
+        watch: &mut Stopwatch<'_, C>,
+        give: Give<'_>,
+    ) -> Result<(), PaintError> {
+        model.draw(scene, self.words, self.memory, watch)?;
+        let pixels = usize::from(scene.camera.width) * usize::from(scene.camera.height);
+        let frame = self.words.get(..pixels).ok_or(ModelError::TooLarge)?;
+        Ok(watch.time(Phase::Send, || give(frame))?)
+    }
+
+    fn shapes<C: Counter>(
+        &mut self,
+        shapes: Shapes<'_>,
+        watch: &mut Stopwatch<'_, C>,
+        give: Give<'_>,
+    ) -> Result<(), ScreenError> {
+        watch.time(Phase::Draw, || draw_part(self.words, 0, shapes));
+        watch.time(Phase::Send, || give(self.words))
+    }
 }
 
 /// A frame of a byte a pixel, as wide as the panel.
-type PanelTones<'a> = Tones<'a, { WIDTH as usize }, { 3 * WIDTH as usize + 4 }>;
+pub(crate) type PanelTones<'a> = Tones<'a, { WIDTH as usize }, { 3 * WIDTH as usize + 4 }>;
+
+/// A band of quarters, as wide as the panel.
+pub(crate) type PanelQuarters<'a> = Tones<'a, { QUARTERS.0 }, { QUARTERS.1 }>;
 
 impl Memory {
     /// All zeros, so that a board's static costs no flash.
@@ -43,10 +92,29 @@ impl Memory {
             colours: [0; Shading::words(MAX_MATERIALS)],
             coverage: [0; EyeOrder::words(WIDTH, HEIGHT)],
             depth: [0; PIXELS],
-            tone_table: ToneTable::empty(),
             scene_tones: SceneTones::empty(),
-            tones: [0; tone_words(WIDTH as usize, HEIGHT)],
+            tones: [0; TONE_WORDS],
         }
+    }
+}
+
+impl Memory {
+    /// What drawing instances into tones takes, and the memory of the tones.
+    fn instances<'a, 'g>(
+        &'a mut self,
+        blob: &'a Blob<'g>,
+        scene: &'a Scene,
+    ) -> (Instances<'a, 'g>, &'a mut [u32]) {
+        let instances = Instances {
+            blob,
+            scene,
+            arrangement: &self.arrangement,
+            view: &mut self.view,
+            scene_tones: &mut self.scene_tones,
+            depth: &mut self.depth,
+            prepared: None,
+        };
+        (instances, &mut self.tones)
     }
 }
 
@@ -65,6 +133,8 @@ pub enum ModelError {
     Grid(u16),
     /// The camera is none.
     View(ViewError),
+    /// The program was built without this mode.
+    Mode,
     /// The frame is larger than the board's memory for it.
     TooLarge,
 }
@@ -75,6 +145,7 @@ impl fmt::Display for ModelError {
             Self::Blob(error) => error.fmt(f),
             Self::Grid(index) => write!(f, "the blob has no grid {index}"),
             Self::View(error) => error.fmt(f),
+            Self::Mode => f.write_str("this program draws by presets alone"),
             Self::TooLarge => f.write_str("the frame is larger than the memory for it"),
         }
     }
@@ -98,6 +169,33 @@ impl<'a> Model<'a> {
         Ok(Self { blob })
     }
 
+    /// What was checked.
+    #[must_use]
+    pub fn blob(&self) -> &Blob<'a> {
+        &self.blob
+    }
+
+    /// Finds what the scene shows, and in which order.
+    ///
+    /// # Errors
+    /// When there is no such grid, or the camera is none.
+    pub(crate) fn arrange<C: Counter>(
+        &self,
+        scene: &Scene,
+        arrangement: &mut Arrangement,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
+        let Scene { camera, mode, .. } = scene;
+        let blob = &self.blob;
+        if mode.fineness.is_none() && !blob.is_scene() && mode.grid >= blob.grid_count() {
+            return Err(ModelError::Grid(mode.grid));
+        }
+        let in_order = mode.visibility == VisibilityMode::Eye;
+        watch
+            .time(Phase::Setup, || arrangement.arrange(blob, camera, in_order))
+            .map_err(ModelError::View)
+    }
+
     /// Draws the scene into the first `width * height` words.
     ///
     /// # Errors
@@ -109,27 +207,12 @@ impl<'a> Model<'a> {
         memory: &mut Memory,
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<(), ModelError> {
-        let Scene { camera, mode, .. } = scene;
-        let blob = &self.blob;
-        if mode.fineness.is_none() && !blob.is_scene() && mode.grid >= blob.grid_count() {
-            return Err(ModelError::Grid(mode.grid));
-        }
-        let in_order = mode.visibility == VisibilityMode::Eye;
-        watch
-            .time(Phase::Setup, || {
-                memory.arrangement.arrange(blob, camera, in_order)
-            })
-            .map_err(ModelError::View)?;
-        match mode.frame {
-            FrameMode::Tones => self.tones(scene, words, memory, watch),
+        self.arrange(scene, &mut memory.arrangement, watch)?;
+        match scene.mode.frame {
             FrameMode::Words => self.words(scene, words, memory, watch),
+            FrameMode::Tones => self.tones(scene, words, memory, watch),
+            FrameMode::Quarters => self.quarters(scene, words, memory, watch),
         }
-    }
-
-    /// Whether it is one model, whose samples have no colours of their own.
-    fn is_plain(&self) -> bool {
-        let coloured = self.blob.grids().any(|grid| grid.layout().colour > 0);
-        !self.blob.is_scene() && !coloured
     }
 
     /// Into a byte a pixel.
@@ -140,72 +223,49 @@ impl<'a> Model<'a> {
         memory: &mut Memory,
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<(), ModelError> {
-        let Memory {
-            arrangement,
-            view,
-            depth,
-            tone_table,
-            scene_tones,
-            tones,
-            ..
-        } = memory;
-        let (blob, camera) = (&self.blob, &scene.camera);
-        let is_plain = self.is_plain();
-        if !is_plain {
-            watch.time(Phase::ShadingTables, || {
-                let instances = arrangement.turns().iter().map(|turn| turn.instance);
-                scene_tones.prepare(blob, instances, camera, scene.light);
-            });
-        }
+        let camera = &scene.camera;
+        let (mut instances, tones) = memory.instances(&self.blob, scene);
+        instances.prepare(watch);
         let mut frame = watch
             .time(Phase::Clear, || {
                 PanelTones::cleared(tones, camera.width, camera.height)
             })
             .ok_or(ModelError::TooLarge)?;
-        let unit = arrangement.unit();
-        let mut reach = None;
-        for turn in arrangement.turns() {
-            let Some(placed) = self.placed(*turn, scene, view, watch)? else {
-                continue;
-            };
-            let drawn = if is_plain {
-                let materials = blob.materials().len();
-                watch.time(Phase::ShadingTables, || {
-                    tone_table.shade(placed.grid.layout(), materials, scene.light);
-                });
-                watch.time(Phase::Draw, || {
-                    draw_turn(*turn, &placed, view, tone_table, unit, &mut frame, depth)
-                })?
-            } else {
-                watch.time(Phase::ShadingTables, || {
-                    let lighting = placed.lighting(blob, scene.light);
-                    scene_tones.shade(blob, &placed, &lighting);
-                });
-                watch.time(Phase::Draw, || {
-                    draw_turn(*turn, &placed, view, scene_tones, unit, &mut frame, depth)
-                })?
-            };
-            reach = match (reach, drawn) {
-                (Some(a), Some(b)) => Some(Rect::with(a, b)),
-                (a, b) => a.or(b),
-            };
-            // Holes are closed before what is behind shows through them.
-            if turn.is_last
-                && let Some(reach) = reach.take()
-            {
-                watch.time(Phase::Fill, || frame.fill(reach));
-            }
-        }
+        instances.draw::<Every, _, _, _>(&mut frame, None, watch)?;
         watch.time(Phase::Send, || {
-            let palette = if is_plain {
-                Palette::new(blob.materials(), blob.background())
-            } else {
-                scene_tones.palette(blob.background())
-            };
+            let palette = instances.scene_tones.palette(&self.blob);
             for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
                 *word = palette.colour(*tone);
             }
         });
+        Ok(())
+    }
+
+    /// Into a byte a quarter of a pixel, blended.
+    fn quarters<C: Counter>(
+        &self,
+        scene: &Scene,
+        words: &mut Words,
+        memory: &mut Memory,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<(), ModelError> {
+        let camera = &scene.camera;
+        let (mut instances, tones) = memory.instances(&self.blob, scene);
+        instances.prepare(watch);
+        let blend = watch.time(Phase::ShadingTables, || {
+            Blend::new(&instances.scene_tones.palette(&self.blob))
+        });
+        for rows in bands(camera.height) {
+            let first = usize::from(rows.start / 2) * usize::from(camera.width);
+            let words = words.get_mut(first..).unwrap_or_default();
+            let mut band = watch
+                .time(Phase::Clear, || {
+                    PanelQuarters::band(tones, 2 * camera.width, rows.clone())
+                })
+                .ok_or(ModelError::TooLarge)?;
+            instances.draw::<Every, _, _, _>(&mut band, Some(&rows), watch)?;
+            watch.time(Phase::Fill, || blend.rows(&band, words, camera.width));
+        }
         Ok(())
     }
 
@@ -233,7 +293,7 @@ impl<'a> Model<'a> {
             Buffers { coverage, depth }.clear(mode);
         });
         for turn in arrangement.turns() {
-            let Some(placed) = self.placed(*turn, scene, view, watch)? else {
+            let Some(placed) = place(blob, *turn, scene, view, watch)? else {
                 continue;
             };
             let shading = watch
@@ -247,7 +307,7 @@ impl<'a> Model<'a> {
                 VisibilityMode::Eye => {
                     let mut target =
                         EyeOrder::new(&mut frame, coverage).ok_or(ModelError::TooLarge)?;
-                    draw_turn(*turn, &placed, view, &shading, unit, &mut target, depth)
+                    draw_turn::<Every, _>(*turn, &placed, view, &shading, unit, &mut target, depth)
                 }
                 VisibilityMode::Z => {
                     let target = ZBuffer::<_, false>::new(&mut frame, depth);
@@ -267,49 +327,4 @@ impl<'a> Model<'a> {
         }
         Ok(())
     }
-
-    /// The instance whose turn it is, and the tables of its view; `None` when it is too far away.
-    fn placed<C: Counter>(
-        &self,
-        turn: Turn,
-        scene: &Scene,
-        view: &mut View,
-        watch: &mut Stopwatch<'_, C>,
-    ) -> Result<Option<Placed<'a>>, ModelError> {
-        watch.time(Phase::Setup, || {
-            let placed = Placed::new(&self.blob, turn.instance, &scene.camera, scene.mode);
-            if let Some(placed) = &placed {
-                view.prepare(&placed.camera, &placed.grid, scene.mode.cell_size)
-                    .map_err(ModelError::View)?;
-            }
-            Ok(placed)
-        })
-    }
-}
-
-/// Draws an instance in its turn; returns the pixels that it may reach.
-fn draw_turn<V: Visibility + Canvas>(
-    turn: Turn,
-    placed: &Placed<'_>,
-    view: &View,
-    shading: &impl Shade,
-    unit: Option<u32>,
-    target: &mut V,
-    depth: &mut [u16],
-) -> Result<Option<Rect>, ModelError> {
-    let Some(unit) = unit.filter(|_| turn.is_tangled) else {
-        return Ok(draw_seen(placed.mode, &placed.grid, view, shading, target));
-    };
-    if turn.is_first {
-        target.depths(depth);
-    }
-    let target = ZBuffer::<_, true>::new(target, depth).ok_or(ModelError::TooLarge)?;
-    let mut target = target.scaled(placed.depth_factor(view, unit));
-    Ok(draw_seen(
-        placed.mode,
-        &placed.grid,
-        view,
-        shading,
-        &mut target,
-    ))
 }

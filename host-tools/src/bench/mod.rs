@@ -6,6 +6,7 @@ pub mod rows;
 pub mod table;
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -128,7 +129,10 @@ impl Ready {
         let program = row.way.package(machine).build(folder, target_dir)?;
         let firmware = Firmware::open(&program, machine)?;
         let (model, run) = match row.way {
-            Way::Renderer { bake, run } => (baked(subject, bake)?, run),
+            Way::Renderer { bake, run } => (
+                bake_with(subject.path.clone().into(), subject.up, bake)?,
+                run,
+            ),
             Way::Points(_) => (peer::points(&subject.mesh), ""),
             Way::Triangles(_, most) if most >= subject.mesh.triangles.len() => {
                 (peer::triangles(&subject.mesh), "")
@@ -160,11 +164,7 @@ impl Ready {
     /// Those of [`device::answer`], and what the device refuses.
     pub fn draw(&self, view: &View, plugin: Option<&Path>) -> Outcome<Run> {
         let camera = view.camera()?;
-        let mode = match self.row.way {
-            Way::Renderer { .. } => self.flags.mode(&self.model.blob()?, &camera)?,
-            // Peers have one.
-            Way::Points(_) | Way::Triangles(..) => Mode::default(),
-        };
+        let mode = self.mode(view)?;
         let request = Request::Model(Scene {
             camera,
             light: render::light(STANDARD_LIGHT),
@@ -184,6 +184,15 @@ impl Ready {
         })
     }
 
+    /// How a view is drawn.
+    fn mode(&self, view: &View) -> Outcome<Mode> {
+        match self.row.way {
+            Way::Renderer { .. } => self.flags.mode(&self.model.blob()?, &view.camera()?),
+            // Peers have one.
+            Way::Points(_) | Way::Triangles(..) => Ok(Mode::default()),
+        }
+    }
+
     /// Draws a view and compares it with the truth.
     ///
     /// # Errors
@@ -199,8 +208,18 @@ impl Ready {
             .map(|_| Profile::new(&self.firmware, &run))
             .transpose()?
             .map(|profile| profile.total(Phase::is_part_of_a_frame));
-        let (width, height) = (view.width.into(), view.height.into());
-        let picture = Picture::from_rgb565(width, height, &run.words);
+        let drawn = (run.report.width, run.report.height, run.words.as_slice());
+        let picture = match self.row.way {
+            Way::Renderer { .. } => {
+                let (blob, mode) = (self.model.blob()?, self.mode(view)?);
+                let light = render::light(STANDARD_LIGHT);
+                render::picture(drawn, &blob, &view.camera()?, light, mode)?
+            }
+            Way::Points(_) | Way::Triangles(..) => {
+                let (width, height, words) = drawn;
+                Picture::from_rgb565(width.into(), height.into(), words)
+            }
+        };
         Ok(Measured {
             phases: run.report.phases,
             work,
@@ -214,8 +233,11 @@ impl Ready {
     }
 }
 
-/// The blob that `rho bake` makes with these flags.
-fn baked(subject: &Subject, flags: &str) -> Outcome<Vec<u8>> {
+/// The blob that `rho bake` makes of a source with these flags.
+///
+/// # Errors
+/// Those of the command.
+pub fn bake_with(source: OsString, up: Up, flags: &str) -> Outcome<Vec<u8>> {
     let scratch = |error: std::io::Error| {
         Failure::missing(format!("no room for temporary files: {error}"))
             .help("free some space, or set TMPDIR to a folder that has some")
@@ -223,8 +245,8 @@ fn baked(subject: &Subject, flags: &str) -> Outcome<Vec<u8>> {
     let folder = tempfile::tempdir().map_err(scratch)?;
     let blob = folder.path().join("model.rho");
     let fixed = ["rho", "bake", "--quiet", "-o"].map(Into::into);
-    let paths = [blob.clone().into_os_string(), subject.path.clone().into()];
-    let up = match subject.up {
+    let paths = [blob.clone().into_os_string(), source];
+    let up = match up {
         Up::Y => "--up y",
         Up::Z => "--up z",
     };

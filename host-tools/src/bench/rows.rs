@@ -60,10 +60,11 @@ const fn peer(name: &'static str, way: Way) -> Row {
 const GRID_243: &str = "--rho 3 --subdivisions 5";
 
 /// All rows, in the order of the table.
-pub const ROWS: [Row; 9] = [
+pub const ROWS: [Row; 10] = [
     ours("fast", "", "--preset fast"),
     ours("balanced", "", "--preset balanced"),
     ours("fine", "", "--preset fine"),
+    ours("finest", "", "--preset finest"),
     ours("boxes, 243 cells", GRID_243, "--footprint box"),
     // Section 5.1: every leaf, a pixel each, against a depth buffer.
     paper(

@@ -9,6 +9,7 @@ pub mod bench;
 pub mod compare;
 pub mod info;
 pub mod mode;
+pub mod paper;
 pub mod profile;
 pub mod reference;
 pub mod render;
@@ -37,6 +38,7 @@ enum Command {
     Reference(reference::Reference),
     Compare(compare::Compare),
     Bench(bench::BenchArgs),
+    Paper(paper::PaperArgs),
 }
 
 impl Rho {
@@ -54,6 +56,7 @@ impl Rho {
             Command::Reference(command) => command.run(),
             Command::Compare(command) => command.run(),
             Command::Bench(command) => command.run(),
+            Command::Paper(command) => command.run(),
         }
     }
 }

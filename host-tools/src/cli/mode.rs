@@ -13,7 +13,7 @@ use crate::failure::{Failure, Outcome};
 #[derive(Args, Clone, Copy, Debug, Default)]
 #[command(next_help_heading = "Mode")]
 pub struct ModeArgs {
-    /// How fine, by a name for all of the following: fast, balanced, fine [default: balanced]; a
+    /// How fine, by a name for all of the following: fast, balanced, fine, finest [default: balanced]; a
     /// flag beside it overrides its part
     #[arg(long, value_name = "NAME")]
     preset: Option<Preset>,
@@ -30,7 +30,8 @@ pub struct ModeArgs {
     /// How 1/w is found: divide, table
     #[arg(long, value_name = "NAME")]
     reciprocal: Option<ReciprocalMode>,
-    /// What the frame is kept in: words (RGB565), tones (a byte a pixel; eye order only)
+    /// What the frame is kept in: words (RGB565), tones (a byte a pixel; eye order only), quarters (a
+    /// byte a quarter of a pixel, blended; eye order only)
     #[arg(long, value_name = "NAME")]
     frame: Option<FrameMode>,
     /// A cell at most this large on the screen is drawn from its own sample
@@ -57,11 +58,11 @@ impl ModeArgs {
         let preset = preset.mode(blob, camera);
         let visibility = self.visibility.unwrap_or(preset.visibility);
         let frame = match (visibility, self.frame) {
-            (VisibilityMode::Z, Some(FrameMode::Tones)) => {
-                return Err(
-                    Failure::input("a frame of tones is drawn in eye order alone")
-                        .help("leave --visibility z away, or take --frame words"),
-                );
+            (VisibilityMode::Z, Some(FrameMode::Tones | FrameMode::Quarters)) => {
+                return Err(Failure::input(
+                    "a frame of tones or quarters is drawn in eye order alone",
+                )
+                .help("leave --visibility z away, or take --frame words"));
             }
             (_, Some(frame)) => frame,
             (VisibilityMode::Eye, None) => preset.frame,

@@ -10,7 +10,6 @@ use crate::blob_file::BlobFile;
 use crate::cli::mode::ModeArgs;
 use crate::depth::Depth;
 use crate::failure::{Failure, Outcome};
-use crate::picture::Picture;
 use crate::render;
 use crate::view::ViewArgs;
 
@@ -86,7 +85,7 @@ impl Render {
             };
             depth.write(path)?;
         }
-        Picture::from_rgb565(width, height, &drawn.words).write(&self.output)?;
+        drawn.picture().write(&self.output)?;
         let crc32 = format!("{:08x}", drawn.crc32());
         if self.json {
             println!(

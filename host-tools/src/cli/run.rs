@@ -15,6 +15,7 @@ use crate::failure::{Failure, Outcome};
 use crate::firmware::Firmware;
 use crate::machine::Machine;
 use crate::picture::Picture;
+use crate::render;
 use crate::view::ViewArgs;
 
 const EXAMPLES: &str = "\
@@ -117,8 +118,7 @@ impl RunArgs {
             let samples: u64 = blob.grids().map(|g| u64::from(g.leaf_samples())).sum();
             baked = format!(", {samples} samples in {} B of flash", file.bytes().len());
         }
-        let model = file;
-        let model = model.as_ref().map(BlobFile::bytes);
+        let model = file.as_ref().map(BlobFile::bytes);
         let firmware = Firmware::named_or_built(self.firmware.as_deref(), self.core)?;
         let run = device::run(&firmware, model, &request, self.timeout)?;
         if self.verbose {
@@ -128,8 +128,15 @@ impl RunArgs {
         }
         let run = run.done()?;
         if let Some(output) = &self.output {
-            let (width, height) = (run.report.width.into(), run.report.height.into());
-            Picture::from_rgb565(width, height, &run.words).write(output)?;
+            let (width, height) = (run.report.width, run.report.height);
+            let picture = match (&request, &blob) {
+                (Request::Model(scene), Some(blob)) => {
+                    let drawn = (width, height, run.words.as_slice());
+                    render::picture(drawn, blob, &scene.camera, scene.light, scene.mode)?
+                }
+                _ => Picture::from_rgb565(width.into(), height.into(), &run.words),
+            };
+            picture.write(output)?;
         }
         if self.json {
             println!("{}", self.object(&request, &firmware, model, &run));

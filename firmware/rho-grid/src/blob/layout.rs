@@ -4,7 +4,7 @@ use super::error::BlobError;
 
 /// The attribute layout which a grid declares.
 ///
-/// From the lowest bit: material, offset, normal, colour.
+/// From the lowest bit: offset, material, normal, colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Bytes of a word, 2 or 4.
@@ -105,8 +105,8 @@ impl Layout {
     /// Packs a word; values beyond their bits are cut.
     #[must_use]
     pub const fn pack(self, normal: u32, offset: u32, material: u32, colour: u32) -> u32 {
-        (material & mask(self.material))
-            | (offset & mask(self.offset)) << self.material
+        (offset & mask(self.offset))
+            | (material & mask(self.material)) << self.offset
             | (normal & mask(self.normal)) << (self.material + self.offset)
             | if self.colour == 0 {
                 0
@@ -142,13 +142,13 @@ impl Layout {
     /// The offset's step.
     #[must_use]
     pub const fn offset_of(self, word: u32) -> u32 {
-        (word >> self.material) & mask(self.offset)
+        word & mask(self.offset)
     }
 
     /// The material.
     #[must_use]
     pub const fn material_of(self, word: u32) -> u32 {
-        word & mask(self.material)
+        (word >> self.offset) & mask(self.material)
     }
 
     /// The offset along the normal in sides of the cell, times 256.

@@ -13,6 +13,7 @@ mod disc;
 pub mod footprint;
 mod order;
 mod project;
+mod quarters;
 mod stamp;
 mod tones;
 mod traverse;
@@ -20,6 +21,7 @@ mod view;
 mod visibility;
 
 pub use crate::camera::ViewError;
+pub use quarters::{Blend, bands, quarter_words};
 pub use tones::{Tones, tone_words};
 pub use traverse::draw;
 pub use view::View;

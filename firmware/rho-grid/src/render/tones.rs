@@ -25,6 +25,8 @@ const COVERED: u32 = 0x0101_0101;
 pub struct Tones<'a, const STRIDE: usize, const SPAN: usize> {
     pixels: &'a mut [u8],
     width: u16,
+    /// The frame's row that is the first here.
+    first: i32,
     height: u16,
 }
 
@@ -57,8 +59,18 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
         Some(Self {
             pixels: bytemuck::cast_slice_mut(buffer),
             width,
+            first: 0,
             height,
         })
+    }
+
+    /// The same for these rows of a frame alone: samples are drawn where a part of their window of
+    /// four rows is among them.
+    #[must_use]
+    pub fn band(buffer: &'a mut [u32], width: u16, rows: core::ops::Range<u16>) -> Option<Self> {
+        let first = i32::from(rows.start);
+        let band = Self::cleared(buffer, width, rows.len() as u16)?;
+        Some(Self { first, ..band })
     }
 
     /// Covers each open pixel that has three or four covered neighbours with the tone of the one
@@ -67,13 +79,13 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     /// Row by row from the top, so that a pixel just covered counts for the next one. Pixels at the
     /// frame's edge are left, and so are four open ones together, the first a multiple of four.
     pub fn fill(&mut self, rect: Rect) {
-        let y0 = rect.y0.max(1);
-        let y1 = rect.y1.min(u32::from(self.height).saturating_sub(2));
+        let y0 = (rect.y0 as i32).max(self.first + 1);
+        let y1 = (rect.y1 as i32).min(self.first + i32::from(self.height) - 2);
         if y0 > y1 {
             return;
         }
-        let end = Self::at(0, y1 as i32 + 1);
-        let mut at = Self::at(0, y0 as i32);
+        let end = self.at(0, y1 + 1);
+        let mut at = self.at(0, y0);
         loop {
             at = self.next_to_fill(at, end);
             if at >= end {
@@ -141,8 +153,8 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     }
 
     #[inline(always)]
-    fn at(x: i32, y: i32) -> usize {
-        (y * STRIDE as i32 + x + margin(STRIDE) as i32) as usize
+    fn at(&self, x: i32, y: i32) -> usize {
+        ((y - self.first) * STRIDE as i32 + x + margin(STRIDE) as i32) as usize
     }
 }
 
@@ -186,9 +198,14 @@ impl<const STRIDE: usize, const SPAN: usize> Canvas for Tones<'_, STRIDE, SPAN> 
         (self.width, self.height)
     }
 
+    fn first_row(&self) -> u32 {
+        self.first as u32
+    }
+
     #[inline(always)]
     fn paint(&mut self, x: u32, y: u32, colour: u16) {
-        if let Some(pixel) = self.pixels.get_mut(Self::at(x as i32, y as i32)) {
+        let at = self.at(x as i32, y as i32);
+        if let Some(pixel) = self.pixels.get_mut(at) {
             *pixel = colour as u8;
         }
     }
@@ -220,7 +237,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
             return false;
         }
         let count = (r.x1 - r.x0 + 1) as usize;
-        let mut at = Self::at(r.x0 as i32, r.y0 as i32);
+        let mut at = self.at(r.x0 as i32, r.y0 as i32);
         #[cfg(rho_thumb)]
         if STRIDE == super::stamp::STRIDE && count >= 8 {
             return super::stamp::is_covered(self.pixels, at, count, (r.y1 - r.y0 + 1) as usize);
@@ -248,7 +265,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
 
     #[inline(always)]
     fn is_open(&self, x: u32, y: u32) -> bool {
-        let at = Self::at(x as i32, y as i32);
+        let at = self.at(x as i32, y as i32);
         self.pixels.get(at).is_some_and(|pixel| pixel & 1 == 0)
     }
 
@@ -259,7 +276,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
         }
         let tone = colour() as u8;
         let count = (r.x1 - r.x0 + 1) as usize;
-        let mut at = Self::at(r.x0 as i32, r.y0 as i32);
+        let mut at = self.at(r.x0 as i32, r.y0 as i32);
         for _ in r.y0..r.y1 + 1 {
             for pixel in self.pixels.get_mut(at..at + count).unwrap_or_default() {
                 if *pixel & 1 == 0 {
@@ -277,7 +294,14 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
 
     #[inline(always)]
     fn corner(&self, x: i32, y: i32) -> u32 {
-        Self::at(x, y) as u32
+        self.at(x, y) as u32
+    }
+
+    /// A window of which a row is here, and all in the margins.
+    #[inline(always)]
+    fn holds(&self, x: i32, y: i32) -> bool {
+        let from = self.pixels.get(self.at(x, y)..);
+        from.is_some_and(|from| from.len() >= SPAN)
     }
 
     #[inline(always)]

@@ -332,7 +332,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             mask: open.mask,
         };
         let eye = self.eye_slab(children, cell.place, RHO as i32);
-        let inside = self.is_inside(&cell.bounds, group.steps.half);
+        let inside = self.is_inside(&cell.bounds, group.steps.half, self.view.rows);
         let stencil = group.stencil::<F, RHO>(inside);
         self.samples::<F, RHO>(&from, level, Order::new(eye), &stencil);
     }
@@ -376,7 +376,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         let [ox, oy, oz] = open.place.map(|p| p * rho);
 
         let overhang = self.level(level + 1).overhang;
-        let inside = self.is_inside(bounds, group.steps.half);
+        let inside = self.is_inside(bounds, group.steps.half, self.view.rows);
         let stencil = group.stencil::<F, RHO>(inside);
         for &subcell in open.list.iter().take(usize::from(open.count)) {
             let Some(d) = displacements.get(usize::from(subcell)) else {
@@ -461,7 +461,9 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         }
         let side = view.side::<R>(inner, w);
         let reach = Stamps::overhang(side);
-        if !self.is_inside(bounds, Half { x: reach, y: reach }) {
+        // Stamps beyond the rows that are drawn are left one by one.
+        let (reach, rows) = (Half { x: reach, y: reach }, (0, view.height));
+        if !self.is_inside(bounds, reach, rows) {
             return false;
         }
         let rho = i32::from(nodes.rho);
@@ -666,22 +668,22 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         }
     }
 
-    /// Whether no sample of these half extents within `block` reaches the frame's edge, with two
-    /// pixels to spare for the largest splat's rounding.
-    fn is_inside(&self, block: &Bounds, samples: Half) -> bool {
-        let within = |centre: i32, half: i32, side: i32| {
+    /// Whether no sample of these half extents within `block` reaches the frame's edge or beyond
+    /// `rows`, with two pixels to spare for the largest splat's rounding.
+    fn is_inside(&self, block: &Bounds, samples: Half, rows: (i32, i32)) -> bool {
+        let within = |centre: i32, half: i32, (first, end): (i32, i32)| {
             let reach = half + 4 * samples.x.max(samples.y) + 512;
-            centre - reach >= 0 && centre + reach < side << 8
+            centre - reach >= first << 8 && centre + reach < end << 8
         };
-        within(block.x, block.half_x, self.view.width)
-            && within(block.y, block.half_y, self.view.height)
+        within(block.x, block.half_x, (0, self.view.width)) && within(block.y, block.half_y, rows)
     }
 
-    /// The part of `pixels` within the frame.
+    /// The part of `pixels` within the rows of the frame that are drawn.
     #[inline(always)]
     fn clip(&self, pixels: Pixels) -> Option<Rect> {
         let (x0, x1) = (pixels.x.0.max(0), pixels.x.1.min(self.view.width - 1));
-        let (y0, y1) = (pixels.y.0.max(0), pixels.y.1.min(self.view.height - 1));
+        let (first, end) = self.view.rows;
+        let (y0, y1) = (pixels.y.0.max(first), pixels.y.1.min(end - 1));
         Pixels {
             x: (x0, x1),
             y: (y0, y1),

@@ -28,6 +28,8 @@ pub struct View {
     /// Frame size in pixels.
     pub(super) width: i32,
     pub(super) height: i32,
+    /// The first of the frame's rows that are drawn, and the one after the last.
+    pub(super) rows: (i32, i32),
     /// What [`OverW::times`] may be off at the frame's edge, Q8.
     slack: i32,
     pub(super) levels: [LevelView; MAX_SUBDIVISIONS + 1],
@@ -155,6 +157,7 @@ impl View {
             near: 0,
             width: 0,
             height: 0,
+            rows: (0, 0),
             slack: 0,
             levels: [LevelView::NONE; MAX_SUBDIVISIONS + 1],
             displacements: [Homogeneous::ZERO; MAX_DISPLACEMENTS],
@@ -206,6 +209,7 @@ impl View {
         self.near = 1 << 31u32.saturating_sub(self.k).min(29);
         self.width = i32::from(camera.width);
         self.height = i32::from(camera.height);
+        self.rows = (0, self.height);
         self.over_focal = i32::try_from((1 << 29) / focal).unwrap_or(i32::MAX);
         if grid.layout().offset > 0 {
             // In a coarse grid neighbouring discs differ more than neighbouring normals.
@@ -330,6 +334,19 @@ impl View {
             let finer = grid.cells(coarsest) / grid.cells(level).max(1);
             entry.overhang = 390 / finer.max(2) as i32 + 1;
         }
+    }
+
+    /// Columns of the frame, of quarters if it is in quarters.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width.unsigned_abs()
+    }
+
+    /// Draws only these rows of the frame from now on, until it is prepared again: those of a
+    /// [`Tones::band`](super::Tones::band). Rows beyond the frame do not count.
+    pub fn see_rows(&mut self, rows: core::ops::Range<u16>) {
+        let within = |row: u16| i32::from(row).min(self.height);
+        self.rows = (within(rows.start), within(rows.end));
     }
 
     /// The displacements of the children of cells of `level`.

@@ -100,6 +100,12 @@ pub trait Visibility {
         x as u32 & 0xFFFF | (y as u32) << 16
     }
 
+    /// Whether stamps are laid whose 4 x 4 pixels begin at this one, which may lie beyond the frame.
+    #[inline(always)]
+    fn holds(&self, _x: i32, _y: i32) -> bool {
+        true
+    }
+
     /// Draws a sample, where it shows, over the pixels that a mask of 4 x 4 names: bit `4 j + i` for
     /// the pixel i to the right of the stamp's first one and j below it. Bits from row `ROWS` on are
     /// 0; so are those of pixels beyond the frame.
@@ -112,6 +118,9 @@ pub trait Visibility {
     ) {
         let x = i32::from(stamp.corner as i16) + stamp.x as i32;
         let y = ((stamp.corner as i32) >> 16) + stamp.y as i32;
+        if !self.holds(x, y) {
+            return;
+        }
         if stamp.away {
             let middle = y + ROWS as i32 / 2;
             let open = |x: i32| {
@@ -158,6 +167,11 @@ pub trait Shape {
 pub trait Canvas {
     /// Columns and rows.
     fn size(&self) -> (u16, u16);
+
+    /// The frame's row that is the first here.
+    fn first_row(&self) -> u32 {
+        0
+    }
 
     /// Paints a pixel, also one that is covered, and covers it.
     fn paint(&mut self, x: u32, y: u32, colour: u16);
@@ -398,6 +412,8 @@ pub struct ZBuffer<'a, C, const IN_ORDER: bool> {
     canvas: &'a mut C,
     depth: &'a mut [u16],
     width: u32,
+    /// The frame's row that is the first here.
+    first: u32,
     /// A depth is w times this over 2^32.
     factor: u32,
 }
@@ -413,6 +429,7 @@ impl<'a, C: Canvas, const IN_ORDER: bool> ZBuffer<'a, C, IN_ORDER> {
         let (width, height) = canvas.size();
         let depth = depth.get_mut(..usize::from(width) * usize::from(height))?;
         Some(Self {
+            first: canvas.first_row(),
             canvas,
             depth,
             width: u32::from(width),
@@ -425,6 +442,13 @@ impl<'a, C: Canvas, const IN_ORDER: bool> ZBuffer<'a, C, IN_ORDER> {
     #[must_use]
     pub fn scaled(self, factor: u32) -> Self {
         Self { factor, ..self }
+    }
+
+    /// Where a pixel's depth is; beyond all where it has none.
+    #[inline(always)]
+    fn at(&self, x: u32, y: u32) -> usize {
+        let row = y.wrapping_sub(self.first);
+        row.wrapping_mul(self.width).wrapping_add(x) as usize
     }
 
     #[inline(always)]
@@ -450,7 +474,7 @@ impl<C: Canvas, const IN_ORDER: bool> Visibility for ZBuffer<'_, C, IN_ORDER> {
         }
         let nearest = self.depth(nearest);
         let open = |x: u32, y: u32| {
-            let depth = self.depth.get((y * self.width + x) as usize);
+            let depth = self.depth.get(self.at(x, y));
             depth.is_some_and(|depth| *depth > nearest)
         };
         // Of what shows, the middle or a corner mostly does.
@@ -462,7 +486,7 @@ impl<C: Canvas, const IN_ORDER: bool> Visibility for ZBuffer<'_, C, IN_ORDER> {
         {
             return false;
         }
-        let mut at = (r.y0 * self.width + r.x0) as usize;
+        let mut at = self.at(r.x0, r.y0);
         let count = (r.x1 - r.x0 + 1) as usize;
         for _ in r.y0..r.y1 + 1 {
             let row = self.depth.get(at..at + count).unwrap_or_default();
@@ -479,8 +503,7 @@ impl<C: Canvas, const IN_ORDER: bool> Visibility for ZBuffer<'_, C, IN_ORDER> {
         if !IN_ORDER {
             return true;
         }
-        let at = y.wrapping_mul(self.width).wrapping_add(x) as usize;
-        let depth = self.depth.get(at).copied().unwrap_or(0);
+        let depth = self.depth.get(self.at(x, y)).copied().unwrap_or(0);
         x < self.width && self.depth(w) < depth
     }
 
@@ -508,7 +531,7 @@ impl<C: Canvas, const IN_ORDER: bool> Visibility for ZBuffer<'_, C, IN_ORDER> {
         let x = i32::from(stamp.corner as i16) + stamp.x as i32;
         let y = ((stamp.corner as i32) >> 16) + stamp.y as i32;
         let width = self.width as usize;
-        let at = (y * width as i32 + x) as usize;
+        let at = ((y - self.first as i32) * width as i32 + x) as usize;
         if IN_ORDER && stamp.away {
             let open = |row: usize| {
                 let row = at.wrapping_add(row * width);
@@ -542,7 +565,8 @@ impl<C: Canvas, const IN_ORDER: bool> ZBuffer<'_, C, IN_ORDER> {
     /// Moves a pixel's depth to `here`; whether that is nearer.
     #[inline(always)]
     fn nearer(&mut self, x: u32, y: u32, here: u16) -> bool {
-        match self.depth.get_mut((y * self.width + x) as usize) {
+        let at = self.at(x, y);
+        match self.depth.get_mut(at) {
             Some(depth) if here < *depth => {
                 *depth = here;
                 true

@@ -22,39 +22,42 @@ pub use tones::SceneTones;
 use crate::blob::{Blob, Grid, Instance, Light};
 use crate::camera::Camera;
 use crate::lighting::Lighting;
-use crate::mode::{FootprintMode, Mode};
+use crate::mode::{FootprintMode, Mode, choose};
 use crate::q::{Length, Rotation, Unit};
 use crate::render::View;
 
 /// An instance as a camera sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'a> {
+    /// Its number.
+    pub number: u16,
     /// What the blob says of it.
     pub instance: Instance,
     /// The camera in the axes and the unit of the instance's cube.
     pub camera: Camera,
     /// The grid that is drawn.
     pub grid: Grid<'a>,
-    /// Its number.
+    /// That grid's number.
     pub index: u16,
     /// How it is drawn.
     pub mode: Mode,
 }
 
 impl<'a> Placed<'a> {
-    /// Instance `index` of `blob` as `camera` sees it, in the grid that `mode` names or that is fine
+    /// Instance `number` of `blob` as `camera` sees it, in the grid that `mode` names or that is fine
     /// enough for its size on the screen. `None` when there is none, or it is farther away than 2,047
     /// of its own sides.
     #[must_use]
-    pub fn new(blob: &Blob<'a>, index: u16, camera: &Camera, mode: Mode) -> Option<Self> {
-        let instance = blob.instance(index)?;
+    pub fn new(blob: &Blob<'a>, number: u16, camera: &Camera, mode: Mode) -> Option<Self> {
+        let instance = blob.instance(number)?;
         let object = blob.object(instance.object)?;
+        let near = body::cells(camera, &object, &instance);
         let camera = seen_from(camera, &instance)?;
-        let number = match mode.fineness {
-            Some(preset) => preset.choose(blob.grids_of(&object), &camera),
+        let grid = match mode.fineness {
+            Some(preset) => choose(blob.grids_of(&object), preset.cells(&camera).max(near)),
             None => mode.grid.min(object.grids - 1),
         };
-        let index = object.first_grid + number;
+        let index = object.first_grid + grid;
         let grid = blob.grid(index)?;
         let discs = mode.footprint == FootprintMode::Disc;
         let footprint = if mode.fineness.is_some() && discs && grid.layout().offset == 0 {
@@ -63,6 +66,7 @@ impl<'a> Placed<'a> {
             mode.footprint
         };
         Some(Self {
+            number,
             instance,
             camera,
             grid,

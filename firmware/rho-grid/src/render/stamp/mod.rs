@@ -111,7 +111,7 @@ pub(super) trait Fields {
 
 /// A normal of 13 bits over an offset of 3.
 pub(super) struct Offset;
-/// A normal of 11 bits over an offset of 2 over a material of 3.
+/// A normal of 11 bits over a material of 3 over an offset of 2.
 pub(super) struct Both;
 /// A colour over a normal of 13 bits over an offset of 3.
 pub(super) struct Colour;
@@ -142,11 +142,7 @@ impl Fields for Offset {
         parents: &Parents<'_, '_, u16>,
         shading: &impl Shade,
     ) -> bool {
-        let (Some(pixels), Some(tones)) = (target.tones(), shading.tones()) else {
-            return false;
-        };
-        thumb::stamp(stamps, parents, pixels, tones);
-        true
+        thumb::stamp::<false, _, _>(stamps, parents, target, shading)
     }
 }
 
@@ -161,12 +157,22 @@ impl Fields for Both {
 
     #[inline(always)]
     fn offset(word: u32) -> u32 {
-        word >> 3 & 3
+        word & 3
     }
 
     #[inline(always)]
     fn colour(shading: &impl Shade, word: u32) -> u16 {
         shading.colour(word)
+    }
+
+    #[cfg(rho_thumb)]
+    fn thumb<V: Visibility>(
+        stamps: &Stamps<'_>,
+        target: &mut V,
+        parents: &Parents<'_, '_, u16>,
+        shading: &impl Shade,
+    ) -> bool {
+        thumb::stamp::<true, _, _>(stamps, parents, target, shading)
     }
 }
 
@@ -360,7 +366,9 @@ impl<'v> Stamps<'v> {
         // 32nds of a pixel, rounded; below 2.6 pixels, so below 84.
         let unit = ((side >> 4) * i32::from(offset_range)) >> 7;
         let first = (1 << 6) - (((F::OFFSETS - 1) * unit) / F::OFFSETS);
-        let offset = |step: i32| ((first + (unit * step * 2) / F::OFFSETS) >> 7) as i8;
+        // Of four steps all eight entries tell, whatever stands above them in a word.
+        let offset =
+            |step: i32| ((first + (unit * (step % F::OFFSETS) * 2) / F::OFFSETS) >> 7) as i8;
 
         let packed = |s: &Step| ((s.x >> 6) as u32).wrapping_add(((s.y >> 6) as u32) << 16);
         let [sx, sy, sz] = steps;
