@@ -7,8 +7,8 @@ use rho_grid::mode::{FootprintMode, FrameMode};
 use rho_grid::reciprocal::Divide;
 use rho_grid::render::footprint::{Disc, PixelCentre};
 use rho_grid::render::{Canvas, Rect, Tones, View, Visibility, ZBuffer, draw, draw_seen};
-use rho_grid::scene::{Arrangement, Placed, Turn};
-use rho_grid::shading::{Shade, ToneTable};
+use rho_grid::scene::{Arrangement, Placed, SceneTones, Turn};
+use rho_grid::shading::Shade;
 
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::picture::ModelError;
@@ -93,7 +93,7 @@ pub(crate) struct Instances<'a, 'g> {
     pub(crate) scene: &'a Scene,
     pub(crate) arrangement: &'a Arrangement,
     pub(crate) view: &'a mut View,
-    pub(crate) tone_table: &'a mut ToneTable,
+    pub(crate) scene_tones: &'a mut SceneTones,
     /// For what is tangled; may be empty where there is nothing.
     pub(crate) depth: &'a mut [u16],
     /// The one whose tables they are now.
@@ -101,6 +101,16 @@ pub(crate) struct Instances<'a, 'g> {
 }
 
 impl<'g> Instances<'_, 'g> {
+    /// Finds the frame's tones; before anything is drawn.
+    pub(crate) fn prepare<C: Counter>(&mut self, watch: &mut Stopwatch<'_, C>) {
+        let Scene { camera, light, .. } = self.scene;
+        let instances = self.arrangement.turns().iter().map(|turn| turn.instance);
+        watch.time(Phase::ShadingTables, || {
+            self.scene_tones
+                .prepare(self.blob, instances, camera, *light);
+        });
+    }
+
     /// Draws all, each in its turn. A frame of tones is filled; of a band of quarters `rows` tells
     /// which it has.
     pub(crate) fn draw<M: Modes, C: Counter, const STRIDE: usize, const SPAN: usize>(
@@ -119,7 +129,7 @@ impl<'g> Instances<'_, 'g> {
             }
             let unit = self.arrangement.unit();
             let drawn = watch.time(Phase::Draw, || {
-                let (view, shading) = (&*self.view, &*self.tone_table);
+                let (view, shading) = (&*self.view, &*self.scene_tones);
                 draw_turn::<M, _>(*turn, &placed, view, shading, unit, frame, self.depth)
             })?;
             reach = reach.into_iter().chain(drawn).reduce(Rect::with);
@@ -147,17 +157,8 @@ impl<'g> Instances<'_, 'g> {
         let Some(placed) = placed else {
             return Ok(None);
         };
-        let light = placed.into_cube(self.scene.light);
-        let object = self.blob.object(placed.instance.object);
         watch.time(Phase::ShadingTables, || {
-            let first = object.map_or(0, |object| object.first_material);
-            self.tone_table.shade_from(
-                placed.grid.layout(),
-                self.blob.materials().len(),
-                placed.instance.material.unwrap_or(first),
-                placed.instance.material.is_some(),
-                light,
-            );
+            self.scene_tones.shade(self.blob, &placed, self.scene.light);
         });
         Ok(Some(placed))
     }

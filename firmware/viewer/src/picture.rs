@@ -10,8 +10,8 @@ use rho_grid::render::{
     Blend, Buffers, EyeOrder, Tones, View, ViewError, ZBuffer, bands, draw_seen, quarter_words,
     tone_words,
 };
-use rho_grid::scene::Arrangement;
-use rho_grid::shading::{Palette, Shading, ToneTable};
+use rho_grid::scene::{Arrangement, SceneTones};
+use rho_grid::shading::Shading;
 
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::instances::{Every, Instances, draw_turn, place};
@@ -28,7 +28,7 @@ pub struct Memory {
     colours: [u16; Shading::words(MAX_MATERIALS)],
     coverage: [u32; EyeOrder::words(WIDTH, HEIGHT)],
     depth: [u16; PIXELS],
-    tone_table: ToneTable,
+    scene_tones: SceneTones,
     /// Of a whole frame, or of a band of quarters.
     tones: [u32; TONE_WORDS],
 }
@@ -92,7 +92,7 @@ impl Memory {
             colours: [0; Shading::words(MAX_MATERIALS)],
             coverage: [0; EyeOrder::words(WIDTH, HEIGHT)],
             depth: [0; PIXELS],
-            tone_table: ToneTable::empty(),
+            scene_tones: SceneTones::empty(),
             tones: [0; TONE_WORDS],
         }
     }
@@ -110,7 +110,7 @@ impl Memory {
             scene,
             arrangement: &self.arrangement,
             view: &mut self.view,
-            tone_table: &mut self.tone_table,
+            scene_tones: &mut self.scene_tones,
             depth: &mut self.depth,
             prepared: None,
         };
@@ -230,6 +230,7 @@ impl<'a> Model<'a> {
     ) -> Result<(), ModelError> {
         let camera = &scene.camera;
         let (mut instances, tones) = memory.instances(&self.blob, scene);
+        instances.prepare(watch);
         let mut frame = watch
             .time(Phase::Clear, || {
                 PanelTones::cleared(tones, camera.width, camera.height)
@@ -237,7 +238,7 @@ impl<'a> Model<'a> {
             .ok_or(ModelError::TooLarge)?;
         instances.draw::<Every, _, _, _>(&mut frame, None, watch)?;
         watch.time(Phase::Send, || {
-            let palette = Palette::new(self.blob.materials(), self.blob.background());
+            let palette = instances.scene_tones.palette(&self.blob);
             for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
                 *word = palette.colour(*tone);
             }
@@ -255,8 +256,9 @@ impl<'a> Model<'a> {
     ) -> Result<(), ModelError> {
         let camera = &scene.camera;
         let (mut instances, tones) = memory.instances(&self.blob, scene);
+        instances.prepare(watch);
         let blend = watch.time(Phase::ShadingTables, || {
-            Blend::new(&Palette::new(self.blob.materials(), self.blob.background()))
+            Blend::new(&instances.scene_tones.palette(&self.blob))
         });
         for rows in bands(camera.height) {
             let first = usize::from(rows.start / 2) * usize::from(camera.width);
@@ -299,11 +301,10 @@ impl<'a> Model<'a> {
             let Some(placed) = place(blob, *turn, scene, view, watch)? else {
                 continue;
             };
-            let layout = placed.grid.layout();
             let shading = watch
                 .time(Phase::ShadingTables, || {
                     let lighting = placed.lighting(blob, scene.light);
-                    Shading::of_instance(colours, layout, blob, &placed.instance, &lighting)
+                    Shading::of_instance(colours, blob, &placed, &lighting)
                 })
                 .ok_or(ModelError::TooLarge)?;
             let unit = arrangement.unit();

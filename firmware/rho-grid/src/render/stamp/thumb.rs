@@ -18,7 +18,8 @@
 //!   Only words of children are read.
 //! * *lists*: nine bits of a mask times the size of a list; a list has as many entries as it says.
 //! * *offsets by step, cells*: three bits; the number in a list's entry, 2 to 10.
-//! * *classes, tones*: nine and thirteen bits of a word of 16.
+//! * *classes, tones*: nine bits of a word of 16; thirteen, or fourteen where words name materials,
+//!   and [`stamp`] checks that there are as many tones.
 //! * *directions*: four bits. *Half-planes*: `ORIGIN` and the number of places are such that no sum of
 //!   a place within a window and a half width stays outside; [`stamp`] bounds `breadth`.
 //! * *circle*: eight or six bits of place, and [`Circle`] has a table of as many.
@@ -38,6 +39,8 @@ use super::{Circle, MAX_PARENTS, Parents, Stamps, classes};
 use crate::normal::COUNT;
 use crate::render::project::Homogeneous;
 use crate::render::tones::{SPREAD, margin};
+use crate::render::visibility::Visibility;
+use crate::shading::Shade;
 
 /// Bytes from row to row of the frames that the assembly knows.
 pub(in crate::render) const STRIDE: usize = 240;
@@ -234,16 +237,27 @@ unsafe extern "C" {
     fn rho_grid_stamp_two(block: *mut Block);
     fn rho_grid_stamp_three(block: *mut Block);
     fn rho_grid_stamp_four(block: *mut Block);
+    fn rho_grid_stamp_both_two(block: *mut Block);
+    fn rho_grid_stamp_both_three(block: *mut Block);
+    fn rho_grid_stamp_both_four(block: *mut Block);
 }
 
 /// Stamps all subcells of a block's parents.
 #[inline(always)]
-pub(super) fn stamp(
+pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     stamps: &Stamps<'_>,
-    parents: &Parents<'_, '_>,
-    pixels: &mut [u8],
-    tones: &[u8; COUNT],
-) {
+    parents: &Parents<'_, '_, u16>,
+    target: &mut V,
+    shading: &S,
+) -> bool {
+    let (Some(pixels), Some(tones)) = (target.tones(), shading.tones(BOTH)) else {
+        return false;
+    };
+    // A word without the bits below those that are looked up.
+    let looked_up = if BOTH { 2 * COUNT } else { COUNT };
+    if tones.len() < looked_up {
+        return false;
+    }
     let (x, y) = stamps.corner;
     let corner = margin(STRIDE) as i32 + y * STRIDE as i32 + x;
     // 63 pixels on, and the window's three.
@@ -256,7 +270,7 @@ pub(super) fn stamp(
         || order.is_empty()
         || parents.displacements.len() < parents.subcells
     {
-        return;
+        return true;
     }
     let (rows, circle): (i32, *const u8) = match stamps.circle {
         Circle::Two(circle) => (2, circle.as_ptr()),
@@ -302,12 +316,16 @@ pub(super) fn stamp(
     };
     // SAFETY: the module's argument; all that is pointed to is borrowed here.
     unsafe {
-        match rows {
-            2 => rho_grid_stamp_two(&raw mut block),
-            3 => rho_grid_stamp_three(&raw mut block),
-            _ => rho_grid_stamp_four(&raw mut block),
+        match (rows, BOTH) {
+            (2, false) => rho_grid_stamp_two(&raw mut block),
+            (3, false) => rho_grid_stamp_three(&raw mut block),
+            (_, false) => rho_grid_stamp_four(&raw mut block),
+            (2, true) => rho_grid_stamp_both_two(&raw mut block),
+            (3, true) => rho_grid_stamp_both_three(&raw mut block),
+            (_, true) => rho_grid_stamp_both_four(&raw mut block),
         }
     }
+    true
 }
 
 const _: () = {
@@ -323,7 +341,7 @@ const _: () = {
 global_asm!(
     // One sample. r0 block, r1 next entry, r2 end, r3 place, r4 words, r5 classes, r6 half-planes,
     // r7 corner; r8 to r12 and lr are free.
-    ".macro RHO_SAMPLES rows, backwards",
+    ".macro RHO_SAMPLES rows, backwards, under",
     "1:",
     ".if \\backwards",
     "ldrb r8, [r1, #-1]!",
@@ -382,7 +400,7 @@ global_asm!(
     "ands lr, lr, r12", // the mask
     "beq 4f",
     "ldrd r11, r12, [r0, #60]",
-    "lsr r8, r8, #3",
+    "lsr r8, r8, #\\under",
     "ldrb r8, [r11, r8]", // the tone
     ".if \\rows == 2",
     "add lr, r12, lr, lsl #3",
@@ -438,7 +456,7 @@ global_asm!(
     "b 2b",
     ".endm",
     // A plane: r1 its nine bits, r3 its place, r4 its words.
-    ".macro RHO_PLANE rows, backwards",
+    ".macro RHO_PLANE rows, backwards, under",
     "cbnz r1, 5f",
     "bx lr",
     "5:",
@@ -454,10 +472,10 @@ global_asm!(
     ".else",
     "add r2, r2, r1",
     ".endif",
-    "RHO_SAMPLES \\rows, \\backwards",
+    "RHO_SAMPLES \\rows, \\backwards, \\under",
     ".endm",
     // All parents. Registers are saved for the caller, as its convention wants.
-    ".macro RHO_BLOCK name, rows",
+    ".macro RHO_BLOCK name, rows, under",
     ".section .text.\\name,\"ax\",%progbits",
     ".global \\name",
     ".type \\name,%function",
@@ -584,13 +602,16 @@ global_asm!(
     "bl 40f",
     "b 12b",
     "30:",
-    "RHO_PLANE \\rows, 0",
+    "RHO_PLANE \\rows, 0, \\under",
     "40:",
-    "RHO_PLANE \\rows, 1",
+    "RHO_PLANE \\rows, 1, \\under",
     ".size \\name, . - \\name",
     ".endm",
     ".syntax unified",
-    "RHO_BLOCK rho_grid_stamp_two, 2",
-    "RHO_BLOCK rho_grid_stamp_three, 3",
-    "RHO_BLOCK rho_grid_stamp_four, 4",
+    "RHO_BLOCK rho_grid_stamp_two, 2, 3",
+    "RHO_BLOCK rho_grid_stamp_three, 3, 3",
+    "RHO_BLOCK rho_grid_stamp_four, 4, 3",
+    "RHO_BLOCK rho_grid_stamp_both_two, 2, 2",
+    "RHO_BLOCK rho_grid_stamp_both_three, 3, 2",
+    "RHO_BLOCK rho_grid_stamp_both_four, 4, 2",
 );
