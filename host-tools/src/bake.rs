@@ -119,6 +119,10 @@ pub enum LayoutChoice {
     Material,
     /// A normal of 13 bits and an offset of 3 along it
     Offset,
+    /// A normal of 11 bits, an offset of 2 along it and one of 8 materials
+    Both,
+    /// 32 bits: a normal of 13, an offset of 3 along it and a colour of 16
+    Colour,
 }
 
 impl LayoutChoice {
@@ -129,6 +133,10 @@ impl LayoutChoice {
             (Self::Material, _) => Layout::MATERIAL,
             (Self::Offset, Separation::Six) => Layout::OFFSET_THIN,
             (Self::Offset, Separation::TwentySix) => Layout::OFFSET,
+            (Self::Both, Separation::Six) => Layout::BOTH_THIN,
+            (Self::Both, Separation::TwentySix) => Layout::BOTH,
+            (Self::Colour, Separation::Six) => Layout::COLOUR_THIN,
+            (Self::Colour, Separation::TwentySix) => Layout::COLOUR,
         }
     }
 
@@ -136,6 +144,8 @@ impl LayoutChoice {
         match self {
             Self::Material => "material",
             Self::Offset => "offset",
+            Self::Both => "both",
+            Self::Colour => "colour",
         }
     }
 }

@@ -11,6 +11,7 @@ use rho_grid::camera::Camera;
 use rho_grid::q::Rotation;
 
 use crate::palette::Palette;
+use crate::picture::rgb565;
 use crate::quantise::normal_index;
 use crate::sampling::{Separation, Tree, TreeLevel, TreeSample};
 
@@ -328,20 +329,29 @@ fn offset_step(layout: Layout, sides: f32) -> u32 {
 }
 
 fn attributes(tree: &Tree, layout: Layout, palette: &Palette) -> Vec<u8> {
-    let word = |sample: &TreeSample| -> [u8; 2] {
-        let normal = normal_index(DVec3::from(sample.normal));
+    let word = |sample: &TreeSample| -> u32 {
+        let normal = normal_index(DVec3::from(sample.normal)) >> (13 - layout.normal);
         let offset = offset_step(layout, sample.offset);
         let material = if layout.material == 0 {
             0
         } else {
             palette.nearest(sample.colour)
         };
-        (layout.pack(normal, offset, material, 0) as u16).to_le_bytes()
+        let colour = if layout.colour == 0 {
+            0
+        } else {
+            rgb565(sample.colour).into()
+        };
+        layout.pack(normal, offset, material, colour)
     };
     tree.levels
         .iter()
         .flat_map(|level| level.samples.par_iter().map(word).collect::<Vec<_>>())
-        .flatten()
+        .flat_map(|word| {
+            word.to_le_bytes()
+                .into_iter()
+                .take(layout.word_bytes.into())
+        })
         .collect()
 }
 

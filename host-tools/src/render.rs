@@ -15,8 +15,8 @@ use rho_grid::render::{
     self, Blend, Canvas, EyeOrder, Rect, Tones, Visibility, ZBuffer, bands, quarter_words,
     tone_words,
 };
-use rho_grid::scene::{Arrangement, Placed, Turn};
-use rho_grid::shading::{Palette, Shade, Shading, ToneTable};
+use rho_grid::scene::{Arrangement, Placed, SceneTones, Turn};
+use rho_grid::shading::{Shade, Shading};
 
 use crate::failure::{Failure, Outcome};
 use crate::picture::Picture;
@@ -132,7 +132,10 @@ pub fn render_from(
         stage.shadows = Some((tables, map));
     }
     let mut coverage = None;
-    let palette = Palette::new(blob.materials(), blob.background());
+    let mut tones = Box::new(SceneTones::empty());
+    let instances = arrangement.turns().iter().map(|turn| turn.instance);
+    tones.prepare(blob, instances, camera, towards);
+    let palette = tones.palette(blob);
     if mode.frame == FrameMode::Quarters {
         if camera.in_quarters().is_none() {
             let largest = Camera::MAX_QUARTERED;
@@ -149,7 +152,13 @@ pub fn render_from(
             let first = usize::from(rows.start / 2) * usize::from(width);
             let mut band = WideTones::band(&mut buffer, 2 * width, rows.clone())
                 .ok_or_else(|| internal("frame size"))?;
-            stage.tones(arrangement.turns(), towards, &mut band, Some(rows))?;
+            stage.tones(
+                arrangement.turns(),
+                towards,
+                &mut tones,
+                &mut band,
+                Some(rows),
+            )?;
             blend.rows(&band, &mut words[first..], width);
         }
         coverage = Some(stage.gather(usize::from(width)));
@@ -157,7 +166,7 @@ pub fn render_from(
         let mut buffer = vec![0; tone_words(WIDEST, height)];
         let mut frame =
             WideTones::cleared(&mut buffer, width, height).ok_or_else(|| internal("frame size"))?;
-        stage.tones(arrangement.turns(), towards, &mut frame, None)?;
+        stage.tones(arrangement.turns(), towards, &mut tones, &mut frame, None)?;
         let tones = frame.rows().flatten();
         words = tones.map(|tone| palette.colour(*tone)).collect();
     } else {
@@ -169,14 +178,9 @@ pub fn render_from(
             let Some(placed) = stage.placed(*turn)? else {
                 continue;
             };
-            let shading = Shading::of_instance(
-                &mut colours,
-                placed.grid.layout(),
-                blob,
-                &placed.instance,
-                &placed.lighting(blob, towards),
-            )
-            .ok_or_else(|| internal("shading table"))?;
+            let shading =
+                Shading::of_instance(&mut colours, blob, &placed, &placed.lighting(blob, towards))
+                    .ok_or_else(|| internal("shading table"))?;
             if in_order {
                 let mut target =
                     EyeOrder::new(&mut frame, &mut bits).ok_or_else(|| internal("coverage"))?;
@@ -265,10 +269,10 @@ impl<'a> Stage<'a> {
         &mut self,
         turns: &[Turn],
         towards: [Unit; 3],
+        tones: &mut SceneTones,
         frame: &mut WideTones<'_>,
         rows: Option<Range<u16>>,
     ) -> Outcome {
-        let mut table = ToneTable::empty();
         let mut reach: Option<Rect> = None;
         for turn in turns {
             let Some(placed) = self.placed(*turn)? else {
@@ -277,16 +281,8 @@ impl<'a> Stage<'a> {
             if let Some(rows) = &rows {
                 self.tables.see_rows(rows.clone());
             }
-            let object = self.blob.object(placed.instance.object);
-            let first = object.map_or(0, |object| object.first_material);
-            table.shade_from(
-                placed.grid.layout(),
-                self.blob.materials().len(),
-                placed.instance.material.unwrap_or(first),
-                placed.instance.material.is_some(),
-                placed.into_cube(towards),
-            );
-            let drawn = self.draw(*turn, &placed, &table, frame);
+            tones.shade(self.blob, &placed, towards);
+            let drawn = self.draw(*turn, &placed, &*tones, frame);
             reach = reach.into_iter().chain(drawn).reduce(Rect::with);
             if turn.is_last
                 && let Some(reach) = reach.take().filter(|_| rows.is_none())

@@ -11,7 +11,7 @@ use rho_grid::mode::{Mode, Preset};
 use rho_grid::reciprocal::Divide;
 use rho_grid::render::footprint::Disc;
 use rho_grid::render::{Rect, Stamp, Tones, View as Tables, Visibility, draw, tone_words};
-use rho_grid::shading::ToneTable;
+use rho_grid::scene::{Placed, SceneTones};
 use rho_tests::model::octahedron;
 use rho_tests::random::Random;
 use rho_tests::scan::{bunny, encoded, sampled, standard_bunny};
@@ -76,7 +76,7 @@ struct Scene<'a> {
     blob: Blob<'a>,
     grid: u16,
     tables: Box<Tables>,
-    shades: ToneTable,
+    shades: Box<SceneTones>,
     width: u16,
     height: u16,
 }
@@ -85,11 +85,15 @@ impl<'a> Scene<'a> {
     fn new(blob: Blob<'a>, grid: u16, view: &View) -> Self {
         let of = blob.grid(grid).unwrap();
         let mut tables = Box::new(Tables::empty());
-        let size = Mode::default().cell_size;
-        tables.prepare(&view.camera().unwrap(), &of, size).unwrap();
-        let mut shades = ToneTable::empty();
-        let light = render::light(STANDARD_LIGHT);
-        shades.shade(of.layout(), blob.materials().len(), light);
+        let camera = view.camera().unwrap();
+        let mode = Mode {
+            grid,
+            ..Mode::default()
+        };
+        tables.prepare(&camera, &of, mode.cell_size).unwrap();
+        let mut shades = Box::new(SceneTones::empty());
+        let placed = Placed::new(&blob, 0, &camera, mode).unwrap();
+        shades.shade(&blob, &placed, render::light(STANDARD_LIGHT));
         Self {
             blob,
             grid,
@@ -103,7 +107,7 @@ impl<'a> Scene<'a> {
     /// Draws it; the pixels that it may reach.
     fn draw(&self, target: &mut impl Visibility) -> Option<Rect> {
         let grid = self.blob.grid(self.grid).unwrap();
-        draw::<_, Disc, Divide>(&grid, &self.tables, &self.shades, target)
+        draw::<_, Disc, Divide>(&grid, &self.tables, &*self.shades, target)
     }
 
     /// The frame with rows of `STRIDE` bytes, filled.

@@ -70,6 +70,7 @@ pub mod lighting;
 pub mod mode;
 pub mod normal;
 pub mod q;
+pub mod quantise;
 pub mod reciprocal;
 pub mod render;
 pub mod scene;

@@ -12,6 +12,7 @@
 use crate::blob::format::MAX_LIGHTS;
 use crate::blob::{Light, Material};
 use crate::q::Unit;
+use crate::quantise::{Rgb, pack};
 
 /// The lights, in the axes of an instance's cube.
 #[derive(Clone, Copy, Debug)]
@@ -74,6 +75,16 @@ impl Lighting {
         Self::new(core::iter::once(Light::white(towards)), ahead)
     }
 
+    /// How much of the first light falls on the normal (x, y, z), Q14, in 63 steps.
+    #[inline(always)]
+    #[must_use]
+    pub fn first_step(&self, normal: [i32; 3]) -> u32 {
+        let [first, ..] = &self.lights;
+        let cosine = dot(normal, first.towards).max(0) as u32;
+        // Q14 times 63, to nearest.
+        (((cosine >> 14) * 63 + (1 << 13)) >> 14).min(63)
+    }
+
     /// A material under these lights.
     #[must_use]
     pub fn on(&self, material: &Material) -> Surface<'_> {
@@ -126,10 +137,29 @@ impl Surface<'_> {
         sum.map(|c| c.min(1 << 15))
     }
 
-    /// What is left where no light reaches, RGB565.
+    /// What is left where no light reaches.
     #[must_use]
-    pub fn unlit(&self) -> u16 {
-        rgb565(self.ambient.map(|c| u32::from(c).min(1 << 15)))
+    pub fn unlit(&self) -> Rgb {
+        pack(self.ambient_channels())
+    }
+
+    /// The same, RGB565.
+    #[must_use]
+    pub fn unlit565(&self) -> u16 {
+        rgb565(self.ambient_channels())
+    }
+
+    fn ambient_channels(&self) -> [u32; 3] {
+        self.ambient.map(|c| u32::from(c).min(1 << 15))
+    }
+
+    /// The colour at a step of [`Lighting::first_step`], without highlight.
+    #[must_use]
+    pub fn step(&self, step: u32) -> Rgb {
+        let mut sum = self.ambient.map(u32::from);
+        let [first, ..] = &self.diffuse;
+        add(&mut sum, first, (step << 15) / 63);
+        pack(sum.map(|c| c.min(1 << 15)))
     }
 
     /// RGB565, channels rounded to nearest.

@@ -158,7 +158,7 @@ impl Preset {
     /// How this preset draws `blob` as `camera` sees it.
     #[must_use]
     pub fn mode(self, blob: &Blob<'_>, camera: &Camera) -> Mode {
-        let index = self.choose(blob.grids(), camera);
+        let index = choose(blob.grids(), self.cells(camera));
         let discs = blob.grid(index).is_none_or(|grid| grid.layout().offset > 0);
         Mode {
             visibility: VisibilityMode::Eye,
@@ -179,20 +179,6 @@ impl Preset {
         }
     }
 
-    /// The number, among `grids`, of the coarsest that is fine enough for a cube at the origin as
-    /// `camera` sees it, else of the finest; 0 when there are none.
-    #[must_use]
-    pub fn choose<'a>(self, grids: impl Iterator<Item = Grid<'a>>, camera: &Camera) -> u16 {
-        let cells = self.cells(camera);
-        let fitting = |grid: &Grid<'_>| {
-            let here = grid.cells(grid.subdivisions());
-            // The coarsest that is fine enough, else the finest.
-            (here < cells, here.abs_diff(cells))
-        };
-        let best = grids.enumerate().min_by_key(|(_, grid)| fitting(grid));
-        best.map_or(0, |(index, _)| index as u16)
-    }
-
     /// Cells an axis, rounded up, that a cube at the origin should have.
     #[must_use]
     pub fn cells(self, camera: &Camera) -> u32 {
@@ -205,6 +191,25 @@ impl Preset {
         let root = side.isqrt();
         (root * self.fineness()).div_ceil(2560) as u32
     }
+}
+
+/// The number, among `grids`, of the coarsest that has as many cells an axis, else of the finest; 0
+/// when there are none.
+///
+/// Fine enough is also what has as many leaves as a surface would have with two and a half a square of
+/// the cells wanted: foliage fills its cube, and a finer grid of it would only draw more samples into
+/// the same pixels.
+#[must_use]
+pub fn choose<'a>(grids: impl Iterator<Item = Grid<'a>>, cells: u32) -> u16 {
+    let fitting = |grid: &Grid<'_>| {
+        let here = grid.cells(grid.subdivisions());
+        let dense = 2 * u64::from(grid.leaf_samples()) >= 5 * u64::from(cells).pow(2);
+        // The coarsest that is fine enough, else the finest.
+        let fine = here >= cells || dense;
+        (!fine, if fine { here } else { u32::MAX - here })
+    };
+    let best = grids.enumerate().min_by_key(|(_, grid)| fitting(grid));
+    best.map_or(0, |(index, _)| index as u16)
 }
 
 /// A renderer and its one threshold.

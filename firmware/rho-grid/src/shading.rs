@@ -5,13 +5,15 @@
 //! drawing.
 
 use crate::blob::format::MAX_MATERIALS;
-use crate::blob::{Blob, Instance, Layout, Material};
+use crate::blob::{Blob, Layout, Material};
 use crate::lighting::{self, Lighting};
 use crate::normal::{BITS, COUNT, FACES, OCTANT};
 use crate::q::Unit;
+use crate::quantise::{Rgb, TONES};
 use crate::render::ShadowView;
 #[cfg(rho_thumb)]
 use crate::render::shadow::LookUp;
+use crate::scene::Placed;
 
 /// What a sample looks like, in the unit of the frame it is drawn into.
 pub trait Shade {
@@ -36,9 +38,10 @@ pub trait Shade {
         self.colour(word)
     }
 
-    /// The tones of the first material, if colours are tones.
+    /// The tones by normal (13 bits), or by normal (11 bits) and material (3 bits) if `both` are
+    /// asked, if it has such a table.
     #[cfg(rho_thumb)]
-    fn tones(&self) -> Option<&[u8; COUNT]> {
+    fn tones(&self, _both: bool) -> Option<&[u8]> {
         None
     }
 
@@ -58,8 +61,16 @@ pub struct Shading<'a> {
     unlit: [u16; MAX_MATERIALS],
     /// Bits under the normal in an attribute word.
     under_normal: u32,
+    /// The bits of the normal.
+    normal: u32,
+    /// From the layout's normals to those of 13 bits.
+    lift: u32,
+    /// Bits under the material.
+    under_material: u32,
     /// The bits of the material.
     material: u32,
+    /// Words carry colours, and the table is the light on white.
+    is_coloured: bool,
 }
 
 impl<'a> Shading<'a> {
@@ -79,20 +90,33 @@ impl<'a> Shading<'a> {
         materials: impl ExactSizeIterator<Item = Material>,
         lighting: &Lighting,
     ) -> Option<Self> {
+        // Of a layout's coarser normals only those in the middle of them are looked up.
+        Self::every(table, layout, materials, lighting, 1 << lift(layout))
+    }
+
+    /// The same for each `every`th normal, which serves those up to the next, too.
+    fn every(
+        table: &'a mut [u16],
+        layout: Layout,
+        materials: impl ExactSizeIterator<Item = Material>,
+        lighting: &Lighting,
+        every: usize,
+    ) -> Option<Self> {
         let words = Self::words(materials.len());
         let table = table.get_mut(..words)?;
         let mut unlit = [0; MAX_MATERIALS];
         let tables = table.chunks_exact_mut(COUNT).zip(&mut unlit);
         for (material, (colours, unlit)) in materials.zip(tables) {
             let surface = lighting.on(&material);
-            *unlit = surface.unlit();
+            *unlit = surface.unlit565();
             for (octant, colours) in colours.chunks_exact_mut(OCTANT).enumerate() {
                 let sign = |bit: usize, v: i16| {
                     let v = i32::from(v);
                     if octant & bit == 0 { v } else { -v }
                 };
-                for (colour, [x, y, z]) in colours.iter_mut().zip(&FACES) {
-                    *colour = surface.rgb565([sign(4, *x), sign(2, *y), sign(1, *z)]);
+                let faces = FACES.iter().step_by(every);
+                for (colours, [x, y, z]) in colours.chunks_mut(every).zip(faces) {
+                    colours.fill(surface.rgb565([sign(4, *x), sign(2, *y), sign(1, *z)]));
                 }
             }
         }
@@ -100,40 +124,82 @@ impl<'a> Shading<'a> {
             colours: table,
             unlit,
             under_normal: u32::from(layout.offset + layout.material) & 31,
+            normal: layout.normal_of(u32::MAX),
+            lift: lift(layout),
+            under_material: u32::from(layout.offset) & 31,
             material: layout.material_of(u32::MAX),
+            is_coloured: false,
         })
     }
 
-    /// The same for an instance of `blob` in a grid of this layout.
+    /// The same for an instance of `blob`.
+    ///
+    /// A grid of 40 cells an axis at most has 512 normals: there neighbouring cells differ more.
     #[must_use]
     pub fn of_instance(
         table: &'a mut [u16],
-        layout: Layout,
         blob: &Blob<'_>,
-        instance: &Instance,
+        placed: &Placed<'_>,
         lighting: &Lighting,
     ) -> Option<Self> {
-        let (first, count) = blob.materials_of(instance)?;
-        let mut materials = [Material::default(); MAX_MATERIALS];
-        for (slot, index) in materials.iter_mut().zip(first..) {
-            *slot = blob.material(index).unwrap_or_default();
+        let (layout, instance) = (placed.grid.layout(), &placed.instance);
+        let is_coloured = layout.colour > 0 && instance.material.is_none();
+        let mut materials = [WHITE; MAX_MATERIALS];
+        let mut count = 1;
+        if !is_coloured {
+            let (first, all) = blob.materials_of(instance)?;
+            count = all;
+            for (slot, index) in materials.iter_mut().zip(first..) {
+                *slot = blob.material(index).unwrap_or_default();
+            }
         }
         let materials = materials.into_iter().take(count.into());
-        let mut shading = Self::new(table, layout, materials, lighting)?;
+        let coarse = blob.is_scene() && placed.grid.cells(placed.grid.subdivisions()) <= 40;
+        let every = if coarse { 16 } else { 1 << lift(layout) };
+        let mut shading = Self::every(table, layout, materials, lighting, every)?;
         if count == 1 {
             // Whatever its samples name.
             shading.material = 0;
         }
+        shading.is_coloured = is_coloured;
         Some(shading)
     }
+}
+
+/// What carries its own colours, before they are multiplied: 0.1 in the shade, 0.9 more in the light.
+const WHITE: Material = Material {
+    ambient: [3277; 3],
+    diffuse: [29491; 3],
+    specular: [0; 3],
+    exponent: 1,
+};
+
+/// From a layout's normals to those of 13 bits.
+const fn lift(layout: Layout) -> u32 {
+    13u32.saturating_sub(layout.normal as u32)
+}
+
+/// The product of two RGB565 colours, channels rounded to nearest.
+fn product(a: u16, b: u16) -> u16 {
+    let channel = |shift: u32, levels: u32| {
+        let of = |colour: u16| u32::from(colour) >> shift & levels;
+        ((of(a) * of(b) + levels / 2) / levels) << shift
+    };
+    (channel(11, 31) | channel(5, 63) | channel(0, 31)) as u16
 }
 
 impl Shade for Shading<'_> {
     /// RGB565.
     #[inline(always)]
     fn colour(&self, word: u32) -> u16 {
-        let index = (word & self.material) << BITS | word >> self.under_normal;
-        self.colours.get(index as usize).copied().unwrap_or(0)
+        let normal = ((word >> self.under_normal) & self.normal) << self.lift;
+        let material = word >> self.under_material & self.material;
+        let index = material << BITS | normal;
+        let colour = self.colours.get(index as usize).copied().unwrap_or(0);
+        if self.is_coloured {
+            return product(colour, (word >> 16) as u16);
+        }
+        colour
     }
 
     #[inline(always)]
@@ -143,122 +209,56 @@ impl Shade for Shading<'_> {
 
     #[inline(always)]
     fn unlit(&self, word: u32) -> u16 {
-        let material = (word & self.material) as usize;
-        self.unlit.get(material).copied().unwrap_or(0)
+        let material = word >> self.under_material & self.material;
+        let colour = self.unlit.get(material as usize).copied().unwrap_or(0);
+        if self.is_coloured {
+            return product(colour, (word >> 16) as u16);
+        }
+        colour
     }
 }
 
-/// Tones there are: seven bits.
-const TONES: usize = 128;
-/// How bright each normal is, for frames of a byte a pixel.
+/// Shades all normals of one model under one white light towards `towards`, a unit vector in the
+/// grid's own axes: tones of the first of `materials`, doubled, plus one. From a material's tones to
+/// the next one's are twice [`steps`].
 ///
 /// The palette is divided evenly among the materials: with one there are 128 steps from dark to
-/// bright, twice as many as a channel of RGB565 has; with eight there are 16.
-#[derive(Clone, Debug)]
-pub struct ToneTable {
-    /// Doubled, plus one ([`Tones`](crate::render::Tones)); of the first material.
-    tones: [u8; COUNT],
-    /// From a material's tones to the next one's.
-    per_material: u32,
-    /// Of the first material.
-    first: u16,
-    under_normal: u32,
-    material: u32,
-}
-
-impl ToneTable {
-    /// Not yet filled: everything is open.
-    #[must_use]
-    pub const fn empty() -> Self {
-        Self {
-            tones: [0; COUNT],
-            per_material: 0,
-            first: 0,
-            under_normal: 0,
-            material: 0,
-        }
-    }
-
-    /// Shades all normals with a light towards `towards`, a unit vector in the grid's own axes.
-    ///
-    /// Of two opposite normals one faces away from the light, so four sums shade eight normals.
-    pub fn shade(&mut self, layout: Layout, materials: usize, towards: [Unit; 3]) {
-        self.shade_from(layout, materials, 0, false, towards);
-    }
-
-    /// The same for samples whose material 0 is the palette's `first`; `one` material for all of them
-    /// if asked.
-    pub fn shade_from(
-        &mut self,
-        layout: Layout,
-        materials: usize,
-        first: u16,
-        one: bool,
-        towards: [Unit; 3],
-    ) {
-        let steps = steps(materials) as i32;
-        self.per_material = 2 * steps as u32;
-        self.first = self.per_material as u16 * first;
-        self.under_normal = u32::from(layout.offset + layout.material) & 15;
-        self.material = if one { 0 } else { layout.material_of(u32::MAX) };
-        // The brightest step at 2^8; with a normal's 2^14, a step is 2^22.
-        let [lx, ly, lz] = towards.map(|c| (i32::from(c.to_bits()) * (steps - 1)) >> 6);
-        let (front, opposite) = self.tones.split_at_mut(COUNT / 2);
-        let (front, _) = front.as_chunks_mut::<OCTANT>();
-        let (opposite, _) = opposite.as_chunks_mut::<OCTANT>();
-        let ([f0, f1, f2, f3], [b0, b1, b2, b3]) = (front, opposite) else {
-            return;
-        };
-        // Half a step is added, so that a step is rounded to nearest; doubled, plus one. What faces
-        // away is negative, and dark.
-        let half = 1 << 21;
-        let tone = |sum: i32| ((sum >> 21).clamp(0, 255) | 1) as u8;
-        let pair = |front: &mut u8, opposite: &mut u8, sum: i32| {
-            *front = tone(half + sum);
-            *opposite = tone(half - sum);
-        };
-        let fronts = f0.iter_mut().zip(f1).zip(f2).zip(f3);
-        let opposites = b0.iter_mut().zip(b1).zip(b2).zip(b3);
-        for ((face, (((f0, f1), f2), f3)), (((b0, b1), b2), b3)) in
-            FACES.iter().zip(fronts).zip(opposites)
-        {
-            let [x, y, z] = face.map(i32::from);
-            let (x, y, z) = (x * lx, y * ly, z * lz);
-            pair(f0, b3, x + y + z);
-            pair(f1, b2, x + y - z);
-            pair(f2, b1, x - y + z);
-            pair(f3, b0, x - y - z);
-        }
-    }
-}
-
-impl Shade for ToneTable {
-    #[cfg(rho_thumb)]
-    fn tones(&self) -> Option<&[u8; COUNT]> {
-        (self.first == 0).then_some(&self.tones)
-    }
-
-    /// A tone.
-    #[inline(always)]
-    fn colour(&self, word: u32) -> u16 {
-        let material = (word & self.material) * self.per_material;
-        self.of_normal(word >> self.under_normal) + material as u16
-    }
-
-    #[inline(always)]
-    fn of_normal(&self, index: u32) -> u16 {
-        let tone = self.tones.get(index as usize % COUNT);
-        u16::from(tone.copied().unwrap_or(0)) + self.first
-    }
-
-    #[inline(always)]
-    fn unlit(&self, word: u32) -> u16 {
-        ((word & self.material) * self.per_material + 1) as u16 + self.first
+/// bright, twice as many as a channel of RGB565 has; with eight there are 16. Of two opposite normals
+/// one faces away from the light, so four sums shade eight normals.
+pub(crate) fn even_tones(tones: &mut [u8; COUNT], materials: usize, towards: [Unit; 3]) {
+    let steps = steps(materials) as i32;
+    // The brightest step at 2^8; with a normal's 2^14, a step is 2^22.
+    let [lx, ly, lz] = towards.map(|c| (i32::from(c.to_bits()) * (steps - 1)) >> 6);
+    let (front, opposite) = tones.split_at_mut(COUNT / 2);
+    let (front, _) = front.as_chunks_mut::<OCTANT>();
+    let (opposite, _) = opposite.as_chunks_mut::<OCTANT>();
+    let ([f0, f1, f2, f3], [b0, b1, b2, b3]) = (front, opposite) else {
+        return;
+    };
+    // Half a step is added, so that a step is rounded to nearest; doubled, plus one. What faces
+    // away is negative, and dark.
+    let half = 1 << 21;
+    let tone = |sum: i32| ((sum >> 21).clamp(0, 255) | 1) as u8;
+    let pair = |front: &mut u8, opposite: &mut u8, sum: i32| {
+        *front = tone(half + sum);
+        *opposite = tone(half - sum);
+    };
+    let fronts = f0.iter_mut().zip(f1).zip(f2).zip(f3);
+    let opposites = b0.iter_mut().zip(b1).zip(b2).zip(b3);
+    for ((face, (((f0, f1), f2), f3)), (((b0, b1), b2), b3)) in
+        FACES.iter().zip(fronts).zip(opposites)
+    {
+        let [x, y, z] = face.map(i32::from);
+        let (x, y, z) = (x * lx, y * ly, z * lz);
+        pair(f0, b3, x + y + z);
+        pair(f1, b2, x + y - z);
+        pair(f2, b1, x - y + z);
+        pair(f3, b0, x - y - z);
     }
 }
 
 /// Steps from dark to bright of each of `materials`.
-const fn steps(materials: usize) -> usize {
+pub(crate) const fn steps(materials: usize) -> usize {
     match materials {
         0 | 1 => TONES,
         _ => TONES / materials,
@@ -335,6 +335,25 @@ impl Palette {
         }
     }
 
+    /// For tones of these colours.
+    #[must_use]
+    pub fn of_tones(colour: impl Fn(u8) -> Rgb, background: u16) -> Self {
+        let mut palette = Self {
+            colours: [background; TONES],
+            addends: [Addend::of(background); TONES],
+            background,
+        };
+        let slots = palette.colours.iter_mut().zip(&mut palette.addends);
+        for (tone, (slot, addend)) in (0..).zip(slots) {
+            // 8 bits to Q15, to nearest.
+            let rgb = colour(tone);
+            let channels = [16, 8, 0].map(|shift| (((rgb >> shift & 255) << 15) + 127) / 255);
+            *slot = lighting::rgb565(channels);
+            *addend = Addend::of_channels(channels);
+        }
+        palette
+    }
+
     /// The colour of a pixel, RGB565.
     #[must_use]
     pub fn colour(&self, tone: u8) -> u16 {
@@ -375,13 +394,6 @@ mod tests {
     extern crate std;
     use std::vec;
 
-    const WHITE: Material = Material {
-        ambient: [3277; 3],
-        diffuse: [29491; 3],
-        specular: [0; 3],
-        exponent: 1,
-    };
-
     #[test]
     fn every_colour_is_the_exact_one_or_a_level_beside_it_where_rounding_is_close() {
         let light = [0.4, 0.6, 0.7f64];
@@ -412,32 +424,15 @@ mod tests {
         let light = [-0.48, 0.6, 0.64f64];
         let towards = light.map(|v| Unit::from_bits((v * 16384.0).round() as i16));
         for materials in [1, 3, 8] {
-            let mut table = ToneTable::empty();
-            table.shade(Layout::MATERIAL, materials, towards);
+            let mut tones = [0; COUNT];
+            even_tones(&mut tones, materials, towards);
             let last = (steps(materials) - 1) as f64;
-            for index in 0..COUNT as u32 {
+            for (index, tone) in (0..).zip(tones) {
                 let n = crate::normal::normal(index).map(|c| f64::from(c.to_bits()) / 16384.0);
                 let dot: f64 = (0..3).map(|k| n[k] * light[k]).sum();
-                let tone = table.colour(index << 3 | (materials - 1) as u32);
-                let first = (materials - 1) * steps(materials);
                 assert_eq!(tone & 1, 1);
-                let step = f64::from(tone >> 1) - first as f64;
+                let step = f64::from(tone >> 1);
                 assert!((step - dot.max(0.0) * last).abs() < 0.62, "{index}: {step}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_mean_of_four_colours_is_the_nearest_in_each_channel() {
-        let colours = [0xFFFF, 0, 0x1234, 0x8765, 0xF81F, 0x07E0, 0x8410];
-        let at = |i: usize| colours[i % colours.len()];
-        for i in 0..colours.len() * colours.len() {
-            let four = [at(i), at(i / 7), at(i + 3), at(i / 2)];
-            let mean = Addend::mean(four.map(Addend::of));
-            for (shift, most) in [(11, 31), (5, 63), (0, 31)] {
-                let of = |colour: u16| u32::from(colour >> shift) & most;
-                let exact = four.iter().map(|c| of(*c)).sum::<u32>();
-                assert_eq!(of(mean), (exact + 2) / 4);
             }
         }
     }

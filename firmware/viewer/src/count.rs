@@ -81,21 +81,61 @@ impl Phase {
     }
 }
 
+/// Most pieces of a frame that are told: four an instance of a scene, and some.
+pub const MAX_PIECES: usize = 640;
+
 /// The count of each phase; one that did not run is 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Phases([u64; Phase::ALL.len()]);
+///
+/// A phase may run in several pieces, between others: which was which is kept in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Phases {
+    sums: [u64; Phase::ALL.len()],
+    /// The phase of each piece, by its place in [`Phase::ALL`].
+    pieces: [u8; MAX_PIECES],
+    count: usize,
+}
+
+impl Default for Phases {
+    fn default() -> Self {
+        Self {
+            sums: [0; Phase::ALL.len()],
+            pieces: [0; MAX_PIECES],
+            count: 0,
+        }
+    }
+}
 
 impl Phases {
     /// What the phase cost.
     #[must_use]
     pub fn get(&self, phase: Phase) -> u64 {
-        self.0[phase as usize]
+        self.sums[phase as usize]
     }
 
-    /// Adds to the phase.
+    /// Adds to the phase, which ran once more; of pieces beyond [`MAX_PIECES`] the order is not kept.
     pub fn add(&mut self, phase: Phase, count: u64) {
-        let sum = &mut self.0[phase as usize];
+        self.sum(phase, count);
+        self.follow(phase);
+    }
+
+    /// Adds to the sum alone.
+    pub(crate) fn sum(&mut self, phase: Phase, count: u64) {
+        let sum = &mut self.sums[phase as usize];
         *sum = sum.saturating_add(count);
+    }
+
+    /// Adds a piece alone.
+    pub(crate) fn follow(&mut self, phase: Phase) {
+        if let Some(piece) = self.pieces.get_mut(self.count) {
+            *piece = phase as u8;
+            self.count += 1;
+        }
+    }
+
+    /// The phases of the pieces in their order.
+    pub fn pieces(&self) -> impl Iterator<Item = Phase> {
+        let pieces = self.pieces.iter().take(self.count);
+        pieces.filter_map(|piece| Phase::ALL.get(usize::from(*piece)).copied())
     }
 
     /// What a frame costs: every phase that is part of one.

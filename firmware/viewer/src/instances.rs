@@ -7,8 +7,8 @@ use rho_grid::mode::{FootprintMode, FrameMode};
 use rho_grid::reciprocal::Divide;
 use rho_grid::render::footprint::{Disc, PixelCentre};
 use rho_grid::render::{Canvas, Rect, Tones, View, Visibility, ZBuffer, draw, draw_seen};
-use rho_grid::scene::{Arrangement, Placed, Turn};
-use rho_grid::shading::{Shade, ToneTable};
+use rho_grid::scene::{Arrangement, Placed, SceneTones, Turn};
+use rho_grid::shading::Shade;
 
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::picture::ModelError;
@@ -17,6 +17,9 @@ use crate::shadow::Seen;
 
 /// Which modes a program has.
 pub(crate) trait Modes {
+    /// Whether there is room for depths, which what is tangled takes.
+    const DEPTHS: bool;
+
     /// Draws an instance.
     fn draw<V: Visibility>(
         placed: &Placed<'_>,
@@ -30,6 +33,8 @@ pub(crate) trait Modes {
 pub(crate) struct Every;
 
 impl Modes for Every {
+    const DEPTHS: bool = true;
+
     fn draw<V: Visibility>(
         placed: &Placed<'_>,
         view: &View,
@@ -44,6 +49,8 @@ impl Modes for Every {
 pub(crate) struct Preset;
 
 impl Modes for Preset {
+    const DEPTHS: bool = false;
+
     fn draw<V: Visibility>(
         placed: &Placed<'_>,
         view: &View,
@@ -70,6 +77,9 @@ pub(crate) fn draw_turn<M: Modes, V: Visibility + Canvas>(
     let Some(unit) = unit.filter(|_| turn.is_tangled) else {
         return Ok(M::draw(placed, view, shading, target));
     };
+    if !M::DEPTHS {
+        return Err(ModelError::Tangled);
+    }
     if turn.is_first {
         target.depths(depth);
     }
@@ -84,7 +94,7 @@ pub(crate) struct Instances<'a, 'g> {
     pub(crate) scene: &'a Scene,
     pub(crate) arrangement: &'a Arrangement,
     pub(crate) view: &'a mut View,
-    pub(crate) tone_table: &'a mut ToneTable,
+    pub(crate) scene_tones: &'a mut SceneTones,
     /// For what is tangled; may be empty where there is nothing.
     pub(crate) depth: &'a mut [u16],
     /// The one whose tables they are now.
@@ -94,6 +104,16 @@ pub(crate) struct Instances<'a, 'g> {
 }
 
 impl<'g> Instances<'_, 'g> {
+    /// Finds the frame's tones; before anything is drawn.
+    pub(crate) fn prepare<C: Counter>(&mut self, watch: &mut Stopwatch<'_, C>) {
+        let Scene { camera, light, .. } = self.scene;
+        let instances = self.arrangement.turns().iter().map(|turn| turn.instance);
+        watch.time(Phase::ShadingTables, || {
+            self.scene_tones
+                .prepare(self.blob, instances, camera, *light);
+        });
+    }
+
     /// Draws all, each in its turn. A frame of tones is filled; of a band of quarters `rows` tells
     /// which it has.
     pub(crate) fn draw<M: Modes, C: Counter, const STRIDE: usize, const SPAN: usize>(
@@ -115,7 +135,7 @@ impl<'g> Instances<'_, 'g> {
                 shadows.see(&placed, watch);
             }
             let drawn = watch.time(Phase::Draw, || {
-                let (view, shading) = (&*self.view, &*self.tone_table);
+                let (view, shading) = (&*self.view, &*self.scene_tones);
                 match &self.shadows {
                     None => {
                         draw_turn::<M, _>(*turn, &placed, view, shading, unit, frame, self.depth)
@@ -151,17 +171,8 @@ impl<'g> Instances<'_, 'g> {
         let Some(placed) = placed else {
             return Ok(None);
         };
-        let light = placed.into_cube(self.scene.light);
-        let object = self.blob.object(placed.instance.object);
         watch.time(Phase::ShadingTables, || {
-            let first = object.map_or(0, |object| object.first_material);
-            self.tone_table.shade_from(
-                placed.grid.layout(),
-                self.blob.materials().len(),
-                placed.instance.material.unwrap_or(first),
-                placed.instance.material.is_some(),
-                light,
-            );
+            self.scene_tones.shade(self.blob, &placed, self.scene.light);
         });
         Ok(Some(placed))
     }

@@ -10,8 +10,8 @@ use rho_grid::render::{
     Blend, Buffers, EyeOrder, Rect, Tones, View, ViewError, ZBuffer, bands, draw_seen,
     quarter_words, tone_words,
 };
-use rho_grid::scene::{Arrangement, Placed, Turn};
-use rho_grid::shading::{Palette, Shade, Shading, ToneTable};
+use rho_grid::scene::{Arrangement, Placed, SceneTones, Turn};
+use rho_grid::shading::{Shade, Shading};
 
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::instances::{Every, Instances, draw_turn, place};
@@ -29,7 +29,7 @@ pub struct Memory {
     colours: [u16; Shading::words(MAX_MATERIALS)],
     coverage: [u32; EyeOrder::words(WIDTH, HEIGHT)],
     depth: [u16; PIXELS],
-    tone_table: ToneTable,
+    scene_tones: SceneTones,
     /// Of a whole frame, or of a band of quarters.
     tones: [u32; TONE_WORDS],
     shadow: Shadow,
@@ -94,7 +94,7 @@ impl Memory {
             colours: [0; Shading::words(MAX_MATERIALS)],
             coverage: [0; EyeOrder::words(WIDTH, HEIGHT)],
             depth: [0; PIXELS],
-            tone_table: ToneTable::empty(),
+            scene_tones: SceneTones::empty(),
             tones: [0; TONE_WORDS],
             shadow: Shadow::new(),
         }
@@ -114,7 +114,7 @@ impl Memory {
             scene,
             arrangement: &self.arrangement,
             view: &mut self.view,
-            tone_table: &mut self.tone_table,
+            scene_tones: &mut self.scene_tones,
             depth: &mut self.depth,
             prepared: None,
             shadows: self.shadow.for_scene(blob, scene, watch),
@@ -140,6 +140,8 @@ pub enum ModelError {
     View(ViewError),
     /// The program was built without this mode.
     Mode,
+    /// Objects reach into each other, and the program has no depths.
+    Tangled,
     /// The frame is larger than the board's memory for it.
     TooLarge,
 }
@@ -151,6 +153,9 @@ impl fmt::Display for ModelError {
             Self::Grid(index) => write!(f, "the blob has no grid {index}"),
             Self::View(error) => error.fmt(f),
             Self::Mode => f.write_str("this program draws by presets alone"),
+            Self::Tangled => {
+                f.write_str("objects reach into each other, and there is no memory for depths")
+            }
             Self::TooLarge => f.write_str("the frame is larger than the memory for it"),
         }
     }
@@ -230,6 +235,7 @@ impl<'a> Model<'a> {
     ) -> Result<(), ModelError> {
         let camera = &scene.camera;
         let (mut instances, tones) = memory.instances(&self.blob, scene, watch);
+        instances.prepare(watch);
         let mut frame = watch
             .time(Phase::Clear, || {
                 PanelTones::cleared(tones, camera.width, camera.height)
@@ -237,7 +243,7 @@ impl<'a> Model<'a> {
             .ok_or(ModelError::TooLarge)?;
         instances.draw::<Every, _, _, _>(&mut frame, None, watch)?;
         watch.time(Phase::Send, || {
-            let palette = Palette::new(self.blob.materials(), self.blob.background());
+            let palette = instances.scene_tones.palette(&self.blob);
             for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
                 *word = palette.colour(*tone);
             }
@@ -255,8 +261,9 @@ impl<'a> Model<'a> {
     ) -> Result<(), ModelError> {
         let camera = &scene.camera;
         let (mut instances, tones) = memory.instances(&self.blob, scene, watch);
+        instances.prepare(watch);
         let blend = watch.time(Phase::ShadingTables, || {
-            Blend::new(&Palette::new(self.blob.materials(), self.blob.background()))
+            Blend::new(&instances.scene_tones.palette(&self.blob))
         });
         for rows in bands(camera.height) {
             let first = usize::from(rows.start / 2) * usize::from(camera.width);
@@ -301,11 +308,10 @@ impl<'a> Model<'a> {
             let Some(placed) = place(blob, *turn, scene, view, watch)? else {
                 continue;
             };
-            let layout = placed.grid.layout();
             let shading = watch
                 .time(Phase::ShadingTables, || {
                     let lighting = placed.lighting(blob, scene.light);
-                    Shading::of_instance(colours, layout, blob, &placed.instance, &lighting)
+                    Shading::of_instance(colours, blob, &placed, &lighting)
                 })
                 .ok_or(ModelError::TooLarge)?;
             if let Some(shadows) = &mut shadows {

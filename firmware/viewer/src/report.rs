@@ -9,9 +9,12 @@
 //! frame_crc32=5f3a9c01
 //! setup=0
 //! (each phase)
+//! pieces=0123
 //! stack_bytes=1234
 //! end
 //! ```
+//!
+//! A piece is a phase by its place among them; they follow each other as they ran.
 //!
 //! A self-test adds `probe=EXPECTED;COUNTED` lines; a device that could not do what was asked
 //! adds `message=TEXT`.
@@ -118,7 +121,11 @@ impl fmt::Display for Report {
         for phase in Phase::ALL {
             writeln!(f, "{}={}", phase.name(), self.phases.get(phase))?;
         }
-        writeln!(f, "stack_bytes={}", self.stack_bytes)?;
+        f.write_str("pieces=")?;
+        for piece in self.phases.pieces() {
+            write!(f, "{}", piece as u8)?;
+        }
+        writeln!(f, "\nstack_bytes={}", self.stack_bytes)?;
         for probe in &self.probes {
             writeln!(f, "probe={};{}", probe.expected, probe.counted)?;
         }
@@ -192,6 +199,12 @@ impl Report {
             "size" => (self.width, self.height) = pair(value)?,
             "frame_crc32" => self.frame_crc32 = u32::from_str_radix(value, 16).ok()?,
             "stack_bytes" => self.stack_bytes = value.parse().ok()?,
+            "pieces" => {
+                for digit in value.chars() {
+                    let piece = digit.to_digit(10)? as usize;
+                    self.phases.follow(*Phase::ALL.get(piece)?);
+                }
+            }
             "probe" => {
                 let (expected, counted) = pair(value)?;
                 self.probes.push(Probe { expected, counted }).ok()?;
@@ -199,7 +212,7 @@ impl Report {
             "message" => self.message = value.parse().ok()?,
             _ => {
                 let phase = Phase::ALL.into_iter().find(|p| p.name() == key)?;
-                self.phases.add(phase, value.parse().ok()?);
+                self.phases.sum(phase, value.parse().ok()?);
             }
         }
         Some(())

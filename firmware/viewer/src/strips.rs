@@ -6,8 +6,7 @@
 
 use rho_grid::mode::{FootprintMode, FrameMode, Mode, ReciprocalMode, ShadowMode, VisibilityMode};
 use rho_grid::render::{Blend, View, bands};
-use rho_grid::scene::Arrangement;
-use rho_grid::shading::{Palette, ToneTable};
+use rho_grid::scene::{Arrangement, SceneTones};
 
 use crate::count::{Counter, Phase, Stopwatch};
 use crate::instances::{Instances, Preset};
@@ -25,7 +24,7 @@ const STRIP: u16 = 40;
 pub struct Strips {
     arrangement: Arrangement,
     view: View,
-    tone_table: ToneTable,
+    scene_tones: SceneTones,
     tones: [u32; TONE_WORDS],
     strip: [u16; STRIP as usize * WIDTH as usize],
 }
@@ -37,7 +36,7 @@ impl Strips {
         Self {
             arrangement: Arrangement::empty(),
             view: View::empty(),
-            tone_table: ToneTable::empty(),
+            scene_tones: SceneTones::empty(),
             tones: [0; TONE_WORDS],
             strip: [0; STRIP as usize * WIDTH as usize],
         }
@@ -73,19 +72,18 @@ impl Painter for Strips {
         }
         let blob = model.blob();
         model.arrange(scene, &mut self.arrangement, watch)?;
-        let palette = watch.time(Phase::ShadingTables, || {
-            Palette::new(blob.materials(), blob.background())
-        });
         let mut instances = Instances {
             blob,
             scene,
             arrangement: &self.arrangement,
             view: &mut self.view,
-            tone_table: &mut self.tone_table,
+            scene_tones: &mut self.scene_tones,
             depth: &mut [],
             prepared: None,
             shadows: None,
         };
+        instances.prepare(watch);
+        let palette = watch.time(Phase::ShadingTables, || instances.scene_tones.palette(blob));
         let (tones, strip) = (&mut self.tones, &mut self.strip);
         let width = usize::from(camera.width);
         if mode.frame == FrameMode::Quarters {

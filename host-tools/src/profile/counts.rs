@@ -44,8 +44,8 @@ fn total(counts: &Counts) -> u64 {
 /// The counts of each phase of the second frame, the readings of the counter included.
 ///
 /// A [`Stopwatch`](rho_viewer::count::Stopwatch) reads the counter twice to learn what a reading
-/// costs, then before and after each phase of two frames and of the transfer. Which phase an
-/// interval is shows in its length, since the device reports the length of each.
+/// costs, then before and after each piece of two frames and of the transfer. Which phase a piece
+/// belongs to the device reports, and the length of each phase.
 ///
 /// # Errors
 /// Exit 4 when the readings are not those of two frames, or the device counted otherwise.
@@ -62,31 +62,34 @@ pub fn by_phase(text: &str, phases: &Phases) -> Outcome<Vec<(Phase, Counts)>> {
         )));
     }
     let reading = total(&intervals[1]);
-    let mut open: Vec<Phase> = Phase::ALL.to_vec();
-    let mut found: Vec<(Phase, Counts)> = Vec::new();
-    let mut unknown = Counts::new();
-    let mut readings = 0;
     // Each begins after one reading and ends with another.
-    let second = intervals.into_iter().skip(2 + in_a_frame);
-    for interval in second.skip(1).step_by(2) {
-        let length = total(&interval).saturating_sub(reading);
-        if let Some(at) = open.iter().position(|p| phases.get(*p) == length) {
-            found.push((open.remove(at), interval));
-        } else {
-            // A phase in several pieces.
-            readings += reading;
-            for (address, count) in interval {
-                let sum = unknown.entry(address).or_default();
-                sum.ran += count.ran;
-                sum.left += count.left;
+    let second: Vec<Counts> = intervals
+        .into_iter()
+        .skip(2 + in_a_frame)
+        .skip(1)
+        .step_by(2)
+        .collect();
+    let pieces: Vec<Phase> = phases.pieces().collect();
+    if pieces.len() != second.len() {
+        return Err(broken("the device tells of other pieces"));
+    }
+    let mut found: Vec<(Phase, Counts)> = Vec::new();
+    let mut lengths = Phases::default();
+    for (phase, interval) in pieces.into_iter().zip(second) {
+        lengths.add(phase, total(&interval).saturating_sub(reading));
+        match found.iter_mut().find(|(known, _)| *known == phase) {
+            None => found.push((phase, interval)),
+            Some((_, sums)) => {
+                for (address, count) in interval {
+                    let sum = sums.entry(address).or_default();
+                    sum.ran += count.ran;
+                    sum.left += count.left;
+                }
             }
         }
     }
-    if !unknown.is_empty() {
-        let length = total(&unknown) - readings;
-        let at = open.iter().position(|p| phases.get(*p) == length);
-        let at = at.ok_or_else(|| broken("the device counted otherwise"))?;
-        found.push((open.remove(at), unknown));
+    if Phase::ALL.iter().any(|p| lengths.get(*p) != phases.get(*p)) {
+        return Err(broken("the device counted otherwise"));
     }
     Ok(found)
 }
@@ -109,8 +112,9 @@ mod tests {
 
     fn phases() -> Phases {
         let mut phases = Phases::default();
-        phases.add(Phase::Draw, 30);
+        phases.add(Phase::Draw, 10);
         phases.add(Phase::Clear, 7);
+        phases.add(Phase::Draw, 20);
         phases.add(Phase::Send, 9);
         phases
     }
@@ -121,9 +125,9 @@ mod tests {
         let totals: Vec<_> = found.iter().map(|(p, c)| (*p, total(c))).collect();
         assert_eq!(
             totals,
-            [(Phase::Clear, 10), (Phase::Send, 12), (Phase::Draw, 36)]
+            [(Phase::Draw, 36), (Phase::Clear, 10), (Phase::Send, 12)]
         );
-        assert_eq!(found[2].1[&0x300].left, 4);
+        assert_eq!(found[0].1[&0x300].left, 4);
     }
 
     #[test]

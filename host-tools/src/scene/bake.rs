@@ -238,7 +238,7 @@ impl Part {
 
     fn layout(&self, options: &BakeOptions) -> Layout {
         let choice = match options.grid {
-            GridChoice::Standard(_) if self.is_coloured => LayoutChoice::Material,
+            GridChoice::Standard(_) if self.is_coloured => LayoutChoice::Both,
             GridChoice::Standard(_) => LayoutChoice::Offset,
             _ => options.layout,
         };
@@ -255,9 +255,11 @@ fn sample(
     seconds: &mut Seconds,
 ) -> Outcome<Vec<Vec<Tree>>> {
     let started = Instant::now();
-    let samples = match options.grid {
-        GridChoice::Standard(_) => SampleChoice::Leaves,
-        _ => options.samples,
+    let is_standard = matches!(options.grid, GridChoice::Standard(_));
+    let samples = if is_standard {
+        SampleChoice::Leaves
+    } else {
+        options.samples
     };
     let mut all = Vec::new();
     for (part, sequences) in parts.iter().zip(grids) {
@@ -275,6 +277,12 @@ fn sample(
             progress.expected.store(expected, Ordering::Relaxed);
             let mut trees = Vec::new();
             for sequence in sequences {
+                // Finer ones would never be chosen (`rho_grid::mode::choose`).
+                let most = sequences.iter().map(Sequence::cells).max().unwrap_or(0);
+                let dense = |tree: &Tree| 2 * tree.leaves() as u64 >= 5 * u64::from(most).pow(2);
+                if is_standard && part.sequence.is_none() && trees.last().is_some_and(dense) {
+                    break;
+                }
                 let mut tree =
                     of(sequence)
                         .sample(geometry, &progress.leaves)
@@ -331,7 +339,7 @@ fn encode(
     let mut objects = Vec::new();
     for (part, trees) in parts.iter().zip(trees) {
         let layout = part.layout(options);
-        let has_own = part.is_coloured && layout.material > 0;
+        let has_own = part.is_coloured && layout.material + layout.colour > 0;
         let palette = if part.is_coloured {
             let leaves = trees.iter().filter_map(|tree| tree.levels.last());
             let colours = leaves.flat_map(|level| &level.samples).map(|s| s.colour);

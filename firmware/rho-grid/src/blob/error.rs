@@ -120,7 +120,7 @@ impl fmt::Display for BlobError {
             Self::LayoutNotDrawn => {
                 write!(
                     f,
-                    "attribute layout not drawn by this version: use 13 + 3 bits"
+                    "attribute layout not drawn by this version: use 13 + 3 or 11 + 2 + 3 bits"
                 )
             }
             Self::Mask { level, node } => {

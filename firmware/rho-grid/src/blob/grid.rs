@@ -19,7 +19,33 @@ pub struct Grid<'a> {
     first_sampled: usize,
     nodes: u32,
     leaves: u32,
-    attributes: &'a [u16],
+    attributes: Attributes<'a>,
+}
+
+/// Attribute words, breadth first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Attributes<'a> {
+    /// Of 16 bits.
+    Halves(&'a [u16]),
+    /// Of 32 bits.
+    Words(&'a [u32]),
+}
+
+impl Attributes<'_> {
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Halves(words) => words.len(),
+            Self::Words(words) => words.len(),
+        }
+    }
+
+    /// Whether there are none; a grid has some.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
 }
 
 /// The nodes of one level above the leaves.
@@ -132,7 +158,7 @@ impl<'a> Grid<'a> {
 
     /// The attribute words of all nodes that have a sample.
     #[must_use]
-    pub fn attributes(&self) -> &'a [u16] {
+    pub fn attributes(&self) -> Attributes<'a> {
         self.attributes
     }
 
@@ -141,7 +167,11 @@ impl<'a> Grid<'a> {
     #[inline(always)]
     #[must_use]
     pub fn attribute(&self, index: u32) -> u32 {
-        u32::from(self.attributes.get(index as usize).copied().unwrap_or(0))
+        let index = index as usize;
+        match self.attributes {
+            Attributes::Halves(words) => u32::from(words.get(index).copied().unwrap_or(0)),
+            Attributes::Words(words) => words.get(index).copied().unwrap_or(0),
+        }
     }
 
     /// Cells along an axis at `level`, 1 at the root, at most 4096.
@@ -230,8 +260,12 @@ impl<'a> Grid<'a> {
             }
         }
         let leaves = count(subdivisions);
-        let attributes: &[u16] = bytemuck::try_cast_slice(blob.required(kind::ATTRIBUTES, index)?)
-            .map_err(|_| short(kind::ATTRIBUTES))?;
+        let attributes = if layout.word_bytes == 2 {
+            let words = bytemuck::try_cast_slice(blob.required(kind::ATTRIBUTES, index)?);
+            Attributes::Halves(words.map_err(|_| short(kind::ATTRIBUTES))?)
+        } else {
+            Attributes::Words(blob.words(kind::ATTRIBUTES, index)?)
+        };
         if !masks.is_empty() {
             return Err(short(kind::MASKS));
         }
@@ -295,7 +329,11 @@ impl<'a> Grid<'a> {
                 });
             }
         }
-        for (node, word) in grid.attributes.iter().enumerate() {
+        // Of 32 bits none names a material.
+        let Attributes::Halves(words) = grid.attributes else {
+            return Ok(());
+        };
+        for (node, word) in words.iter().enumerate() {
             if grid.layout.material_of(u32::from(*word)) as usize >= materials {
                 return Err(BlobError::Material { node: node as u32 });
             }

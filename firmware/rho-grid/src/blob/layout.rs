@@ -4,7 +4,7 @@ use super::error::BlobError;
 
 /// The attribute layout which a grid declares.
 ///
-/// From the lowest bit: material, offset, normal, colour.
+/// From the lowest bit: offset, material, normal, colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Bytes of a word, 2 or 4.
@@ -48,6 +48,35 @@ impl Layout {
         ..Self::OFFSET_THIN
     };
 
+    /// 16 bits for both: a normal of 11, an offset of 2 within half a cell, one of 8 materials.
+    pub const BOTH_THIN: Self = Self {
+        word_bytes: 2,
+        normal: 11,
+        offset: 2,
+        material: 3,
+        colour: 0,
+        offset_range: 64,
+    };
+
+    /// The same with an offset within half the diagonal of a cell.
+    pub const BOTH: Self = Self {
+        offset_range: 111,
+        ..Self::BOTH_THIN
+    };
+
+    /// 32 bits: a normal of 13, an offset of 3 within half a cell, a colour.
+    pub const COLOUR_THIN: Self = Self {
+        word_bytes: 4,
+        colour: 16,
+        ..Self::OFFSET_THIN
+    };
+
+    /// The same with an offset within half the diagonal of a cell.
+    pub const COLOUR: Self = Self {
+        offset_range: 111,
+        ..Self::COLOUR_THIN
+    };
+
     /// Whether the fields are among those that the format knows and fit the word.
     ///
     /// # Errors
@@ -66,17 +95,18 @@ impl Layout {
         }
     }
 
-    /// Whether this version of the renderer draws it: words of 16 bits with a normal of 13.
+    /// Whether this version of the renderer draws it: a normal of at most 13 bits, an offset of at
+    /// most 3.
     #[must_use]
     pub const fn is_drawn(self) -> bool {
-        self.word_bytes == 2 && self.normal == 13 && self.colour == 0
+        self.normal <= 13 && self.offset <= 3 && (self.colour == 0 || self.material == 0)
     }
 
     /// Packs a word; values beyond their bits are cut.
     #[must_use]
     pub const fn pack(self, normal: u32, offset: u32, material: u32, colour: u32) -> u32 {
-        (material & mask(self.material))
-            | (offset & mask(self.offset)) << self.material
+        (offset & mask(self.offset))
+            | (material & mask(self.material)) << self.offset
             | (normal & mask(self.normal)) << (self.material + self.offset)
             | if self.colour == 0 {
                 0
@@ -91,16 +121,34 @@ impl Layout {
         (word >> (self.material + self.offset)) & mask(self.normal)
     }
 
+    /// The normal's index among those of 13 bits: of a coarser one the face in its middle, which faces
+    /// the same way. For layouts that are drawn.
+    #[inline(always)]
+    #[must_use]
+    pub const fn normal_13(self, word: u32) -> u32 {
+        self.normal_of(word) << (13 - self.normal)
+    }
+
+    /// The colour, RGB565.
+    #[inline(always)]
+    #[must_use]
+    pub const fn colour_of(self, word: u32) -> u16 {
+        if self.colour == 0 {
+            return u16::MAX;
+        }
+        (word >> 16) as u16
+    }
+
     /// The offset's step.
     #[must_use]
     pub const fn offset_of(self, word: u32) -> u32 {
-        (word >> self.material) & mask(self.offset)
+        word & mask(self.offset)
     }
 
     /// The material.
     #[must_use]
     pub const fn material_of(self, word: u32) -> u32 {
-        word & mask(self.material)
+        (word >> self.offset) & mask(self.material)
     }
 
     /// The offset along the normal in sides of the cell, times 256.

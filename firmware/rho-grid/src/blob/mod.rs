@@ -13,7 +13,7 @@ pub mod layout;
 pub mod scene;
 
 pub use error::BlobError;
-pub use grid::{Grid, Level};
+pub use grid::{Attributes, Grid, Level};
 pub use layout::Layout;
 pub use scene::{Instance, Light, Object};
 
@@ -214,19 +214,22 @@ impl<'a> Blob<'a> {
 
     /// Every section, in the order of the directory.
     pub fn sections(&self) -> impl Iterator<Item = Section<'a>> + use<'a> {
-        let bytes = self.bytes;
-        (0..u32_at(bytes, 24) as usize).map(move |i| {
-            let entry = HEADER_BYTES + ENTRY_BYTES * i;
-            Section {
-                kind: u16_at(bytes, entry),
-                grid: u16_at(bytes, entry + 2),
-                bytes: slice(
-                    bytes,
-                    u32_at(bytes, entry + 4) as usize,
-                    u32_at(bytes, entry + 8) as usize,
-                ),
-            }
-        })
+        let blob = *self;
+        (0..u32_at(self.bytes, 24) as usize).map(move |i| blob.section(i))
+    }
+
+    /// Section `i` of the directory.
+    fn section(&self, i: usize) -> Section<'a> {
+        let (bytes, entry) = (self.bytes, HEADER_BYTES + ENTRY_BYTES * i);
+        Section {
+            kind: u16_at(bytes, entry),
+            grid: u16_at(bytes, entry + 2),
+            bytes: slice(
+                bytes,
+                u32_at(bytes, entry + 4) as usize,
+                u32_at(bytes, entry + 8) as usize,
+            ),
+        }
     }
 
     fn check_directory(&self, body: usize) -> Result<(), BlobError> {
@@ -269,9 +272,21 @@ impl<'a> Blob<'a> {
     }
 
     fn find(&self, kind: u16, grid: u16) -> Option<&'a [u8]> {
-        self.sections()
-            .find(|s| s.kind == kind && s.grid == grid)
-            .map(|s| s.bytes)
+        let is_it = |s: &Section<'_>| s.kind == kind && s.grid == grid;
+        if kind <= kind::ATTRIBUTES {
+            // The parts of grids mostly follow each other from the first grid's on: no search then.
+            let parts = usize::from(kind::ATTRIBUTES);
+            let place = parts * usize::from(grid) + usize::from(kind.saturating_sub(kind::GRID));
+            let first = self.sections().position(|s| s.kind == kind::GRID)?;
+            let guess = first + place;
+            if guess < u32_at(self.bytes, 24) as usize {
+                let section = self.section(guess);
+                if is_it(&section) {
+                    return Some(section.bytes);
+                }
+            }
+        }
+        self.sections().find(is_it).map(|s| s.bytes)
     }
 
     fn required(&self, kind: u16, grid: u16) -> Result<&'a [u8], BlobError> {

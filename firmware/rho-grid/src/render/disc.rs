@@ -111,7 +111,7 @@ impl Discs {
     /// The disc of the sample with this attribute word in the cell centred at `at`.
     #[inline(always)]
     pub(super) fn ellipse(&self, at: Step, word: u32) -> Ellipse {
-        let n = normal(self.layout.normal_of(word)).map(|c| i32::from(c.to_bits()));
+        let n = normal(self.layout.normal_13(word)).map(|c| i32::from(c.to_bits()));
         let [nx, ny, nz] = n;
         let [sx, sy, sz] = self.steps;
         // 15 + 14 bits, three of them.

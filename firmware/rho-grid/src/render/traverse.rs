@@ -21,11 +21,11 @@ use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
 use super::order::{self, List, Order};
 use super::project::{Bounds, Homogeneous, OverW};
-use super::stamp::{self, Stamps};
+use super::stamp::{self, Fields, Kind, Stamps};
 use super::view::{Half, LevelView, Slabs, Step, Steps, View};
 use super::visibility::{Rect, Visibility};
 use crate::blob::format::MAX_SUBDIVISIONS;
-use crate::blob::{Grid, Level};
+use crate::blob::{Attributes, Grid, Level};
 use crate::reciprocal::Reciprocal;
 use crate::shading::Shade;
 
@@ -126,8 +126,8 @@ struct Walk<'g, 'v, V, S> {
     view: &'v View,
     shading: &'v S,
     target: &'v mut V,
-    /// Samples are of a layout that can be stamped.
-    stamps: bool,
+    /// How samples are stamped, if their layout can be.
+    stamps: Option<Kind>,
     parents: stamp::ParentList,
 }
 
@@ -146,13 +146,13 @@ pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
         view,
         shading,
         target,
-        stamps: Stamps::stamps(grid.layout()),
+        stamps: Kind::of(grid.layout()),
         parents: stamp::NO_PARENTS,
     }
     .run::<F, R>()
 }
 
-impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
+impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
     fn run<F: Footprint, R: Reciprocal>(&mut self) -> Option<Rect> {
         let mut stack = [Open::NONE; MAX_SUBDIVISIONS];
         let root = self.root::<R>()?;
@@ -228,7 +228,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         open.place = cell.place;
         open.first_child = nodes.first_child(cell.node);
         open.next = 0;
-        if F::DISCS && self.stamps && self.stamped::<R>(open, &cell, level) {
+        if F::DISCS && self.stamps_all::<R>(open, &cell, level) {
             return false;
         }
         let eye = self.eye_slab(children, cell.place, i32::from(nodes.rho));
@@ -419,8 +419,30 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
     }
 
     /// Stamps the grandchildren of a cell of `level`, if it is a block and can be stamped.
+    #[inline(always)]
+    fn stamps_all<R: Reciprocal>(&mut self, open: &mut Open, cell: &Cell, level: usize) -> bool {
+        match (self.stamps, self.grid.attributes()) {
+            (Some(Kind::Offset), Attributes::Halves(words)) => {
+                self.stamped::<stamp::Offset, R>(words, open, cell, level)
+            }
+            (Some(Kind::Both), Attributes::Halves(words)) => {
+                self.stamped::<stamp::Both, R>(words, open, cell, level)
+            }
+            (Some(Kind::Colour), Attributes::Words(words)) => {
+                self.stamped::<stamp::Colour, R>(words, open, cell, level)
+            }
+            _ => false,
+        }
+    }
+
     #[inline(never)]
-    fn stamped<R: Reciprocal>(&mut self, open: &mut Open, cell: &Cell, level: usize) -> bool {
+    fn stamped<A: Fields, R: Reciprocal>(
+        &mut self,
+        words: &'g [A::Word],
+        open: &mut Open,
+        cell: &Cell,
+        level: usize,
+    ) -> bool {
         let Some([nodes, below]) = self
             .grid
             .levels()
@@ -460,14 +482,13 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
         let steps = view.steps_at::<R>(inner, axis, w);
         let range = self.grid.layout().offset_range;
         let own = bounds.half_x.max(bounds.half_y);
-        let Some(stamps) = Stamps::new(view, range, &steps, axis, own, side) else {
+        let Some(stamps) = Stamps::new::<A>(view, range, &steps, axis, own, side) else {
             return false;
         };
         let stamps = stamps.deep(inner.depth_steps());
         // The eye's slab among all subcells, and among the parents.
         let eye = self.eye_slab(inner, cell.place.map(|p| p * rho), 3);
         let eye_of_parents = self.eye_slab(self.level(level + 1), cell.place, rho);
-        let words = self.grid.attributes();
         let words = words.get(self.first(level + 2) as usize..);
         let mut parents = stamp::Parents::new(
             cell.centre,
@@ -494,7 +515,7 @@ impl<'v, V: Visibility, S: Shade> Walk<'_, 'v, V, S> {
             let list = list.map(|s| (order::rank(&mask, *s), u32::from(*s)));
             parents.list(list, eye, |s| order::place(nodes.rho, s as u8));
         }
-        stamps.stamp::<V, R>(self.target, &parents, self.shading);
+        stamps.stamp::<A, V, R>(self.target, &parents, self.shading);
         true
     }
 

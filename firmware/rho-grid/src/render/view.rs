@@ -212,7 +212,9 @@ impl View {
         self.rows = (0, self.height);
         self.over_focal = i32::try_from((1 << 29) / focal).unwrap_or(i32::MAX);
         if grid.layout().offset > 0 {
-            self.classes.turn(camera);
+            // In a coarse grid neighbouring discs differ more than neighbouring normals.
+            let coarse = grid.cells(grid.subdivisions()) <= 40;
+            self.classes.turn(camera, if coarse { 4 } else { 1 });
         }
         self.slack = slack(128 * self.width.max(self.height));
         self.root = Homogeneous {

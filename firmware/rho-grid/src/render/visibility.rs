@@ -473,6 +473,19 @@ impl<C: Canvas, const IN_ORDER: bool> Visibility for ZBuffer<'_, C, IN_ORDER> {
             return false;
         }
         let nearest = self.depth(nearest);
+        let open = |x: u32, y: u32| {
+            let depth = self.depth.get(self.at(x, y));
+            depth.is_some_and(|depth| *depth > nearest)
+        };
+        // Of what shows, the middle or a corner mostly does.
+        if open(r.x0.midpoint(r.x1), r.y0.midpoint(r.y1))
+            || open(r.x0, r.y0)
+            || open(r.x1, r.y0)
+            || open(r.x0, r.y1)
+            || open(r.x1, r.y1)
+        {
+            return false;
+        }
         let mut at = self.at(r.x0, r.y0);
         let count = (r.x1 - r.x0 + 1) as usize;
         for _ in r.y0..r.y1 + 1 {
@@ -505,6 +518,46 @@ impl<C: Canvas, const IN_ORDER: bool> Visibility for ZBuffer<'_, C, IN_ORDER> {
             return;
         }
         self.fill(r, here, colour());
+    }
+
+    #[inline(always)]
+    fn stamp<const ROWS: usize>(
+        &mut self,
+        stamp: Stamp,
+        mask: impl FnOnce() -> u32,
+        colour: impl Fn() -> u16,
+    ) {
+        let here = self.depth(stamp.w);
+        let x = i32::from(stamp.corner as i16) + stamp.x as i32;
+        let y = ((stamp.corner as i32) >> 16) + stamp.y as i32;
+        let width = self.width as usize;
+        let at = ((y - self.first as i32) * width as i32 + x) as usize;
+        if IN_ORDER && stamp.away {
+            let open = |row: usize| {
+                let row = at.wrapping_add(row * width);
+                let depths = self.depth.get(row..row.wrapping_add(4));
+                depths.is_some_and(|depths| depths.iter().any(|depth| here < *depth))
+            };
+            if !open(ROWS / 2) && !open(ROWS / 2 - 1) {
+                return;
+            }
+        }
+        let mut left = mask();
+        let mut shade = None;
+        while left != 0 {
+            let bit = left.trailing_zeros();
+            left &= left - 1;
+            let (column, row) = ((bit % 4) as usize, (bit / 4) as usize);
+            let pixel = at.wrapping_add(row * width + column);
+            if let Some(depth) = self.depth.get_mut(pixel)
+                && here < *depth
+            {
+                *depth = here;
+                let colour = *shade.get_or_insert_with(&colour);
+                let (x, y) = (x + column as i32, y + row as i32);
+                self.canvas.paint(x as u32, y as u32, colour);
+            }
+        }
     }
 }
 

@@ -42,11 +42,17 @@ pub struct Turn {
 }
 
 impl Turn {
+    /// All zeros, so that a board's static costs no flash.
     const NONE: Self = Self {
         instance: 0,
         is_tangled: false,
         is_first: false,
+        is_last: false,
+    };
+    /// Not tangled with others.
+    const ALONE: Self = Self {
         is_last: true,
+        ..Self::NONE
     };
 }
 
@@ -87,7 +93,7 @@ impl Arrangement {
         self.count = 0;
         self.unit = 0;
         if blob.instance_count() == 1 {
-            self.push(0, Turn::NONE);
+            self.push(0, Turn::ALONE);
             return Ok(());
         }
         let mut seen: Set = 0;
@@ -111,7 +117,7 @@ impl Arrangement {
             .min(30);
         if !in_order {
             for index in each(seen) {
-                self.push(index, Turn::NONE);
+                self.push(index, Turn::ALONE);
             }
             return Ok(());
         }

@@ -14,13 +14,15 @@
 
 mod arrange;
 mod body;
+mod tones;
 
 pub use arrange::{Arrangement, Turn};
+pub use tones::SceneTones;
 
 use crate::blob::{Blob, Grid, Instance, Light};
 use crate::camera::Camera;
 use crate::lighting::Lighting;
-use crate::mode::{FootprintMode, Mode};
+use crate::mode::{FootprintMode, Mode, choose};
 use crate::q::{Length, Rotation, Unit};
 use crate::render::View;
 
@@ -49,9 +51,10 @@ impl<'a> Placed<'a> {
     pub fn new(blob: &Blob<'a>, number: u16, camera: &Camera, mode: Mode) -> Option<Self> {
         let instance = blob.instance(number)?;
         let object = blob.object(instance.object)?;
+        let near = body::cells(camera, &object, &instance);
         let camera = seen_from(camera, &instance)?;
         let grid = match mode.fineness {
-            Some(preset) => preset.choose(blob.grids_of(&object), &camera),
+            Some(preset) => choose(blob.grids_of(&object), preset.cells(&camera).max(near)),
             None => mode.grid.min(object.grids - 1),
         };
         let index = object.first_grid + grid;
@@ -107,12 +110,7 @@ impl<'a> Placed<'a> {
     /// one if it has none.
     #[must_use]
     pub fn lighting(&self, blob: &Blob<'_>, first: [Unit; 3]) -> Lighting {
-        let mut lights = blob.lights();
-        let own = lights.next().map_or(Light::white(first), |light| Light {
-            towards: first,
-            ..light
-        });
-        let turned = core::iter::once(own).chain(lights).map(|light| Light {
+        let turned = lights(blob, first).map(|light| Light {
             towards: self.into_cube(light.towards),
             ..light
         });
@@ -149,6 +147,16 @@ impl<'a> Placed<'a> {
         };
         u32::try_from(factor).unwrap_or(u32::MAX)
     }
+}
+
+/// The blob's lights, the first of them towards `first`; one white one if it has none.
+fn lights<'a>(blob: &Blob<'a>, first: [Unit; 3]) -> impl Iterator<Item = Light> + use<'a> {
+    let mut lights = blob.lights();
+    let own = lights.next().map_or(Light::white(first), |light| Light {
+        towards: first,
+        ..light
+    });
+    core::iter::once(own).chain(lights)
 }
 
 /// `camera` in the axes and the unit of the instance's cube; `None` when that is farther away than

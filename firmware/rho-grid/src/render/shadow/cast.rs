@@ -4,6 +4,8 @@ use super::cells::{self, Cell, Subcells};
 use super::light::LightSpace;
 use super::map::ShadowMap;
 use super::view::{ShadowView, texels};
+#[cfg(rho_thumb)]
+use crate::blob::Attributes;
 use crate::blob::{Blob, Grid, Instance};
 use crate::mode::{LightSplat, MapSize};
 
@@ -71,20 +73,20 @@ impl<'a> Caster<'a> {
             return;
         };
         let first = grid.levels().get(level);
-        let first = first.map_or(grid.first_leaf(), |level| level.first) as usize;
-        let words = grid.attributes().get(first..).unwrap_or_default();
+        let first = first.map_or(grid.first_leaf(), |level| level.first);
         let displacements = view.displacements(parents);
         let moved = view.moved();
         #[cfg(rho_thumb)]
         if SIDE == 2
             && nodes.rho == 3
+            && let Attributes::Halves(words) = grid.attributes()
             && let Some(splats) = super::thumb::Splats::new(displacements, moved, map)
         {
             cells::walk(grid, |cell: Cell| {
                 if cell.level < parents {
                     return true;
                 }
-                let first = nodes.first_child(cell.node) as usize;
+                let first = (first + nodes.first_child(cell.node)) as usize;
                 let words = words.get(first..).unwrap_or_default();
                 let [mask, ..] = nodes.mask::<3>(cell.node);
                 splats.lay(view.place(parents, cell.place), mask, words);
@@ -97,13 +99,12 @@ impl<'a> Caster<'a> {
                 return true;
             }
             let place = view.place(parents, cell.place);
-            let first = nodes.first_child(cell.node) as usize;
-            let words = words.get(first..).unwrap_or_default();
+            let children = first + nodes.first_child(cell.node)..;
             let subcells = Subcells::of(nodes.mask_any(cell.node));
-            for (subcell, word) in subcells.zip(words) {
+            for (subcell, child) in subcells.zip(children) {
                 let d = displacements.get(subcell as usize).copied().unwrap_or(0);
-                let at = place.wrapping_add(d).wrapping_add(moved.of((*word).into()));
-                map.splat::<SIDE>(at);
+                let moved = moved.of(grid.attribute(child));
+                map.splat::<SIDE>(place.wrapping_add(d).wrapping_add(moved));
             }
             false
         });

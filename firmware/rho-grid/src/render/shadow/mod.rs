@@ -33,8 +33,6 @@ pub use view::ShadowView;
 
 use crate::blob::{Blob, Grid, Instance};
 use crate::mode::{LightSplat, MapSize};
-#[cfg(rho_thumb)]
-use crate::normal::COUNT;
 use crate::q::Unit;
 use crate::shading::Shade;
 
@@ -151,10 +149,8 @@ impl<S: Shade> Shade for Shadowed<'_, S> {
     }
 
     #[cfg(rho_thumb)]
-    fn tones(&self) -> Option<&[u8; COUNT]> {
-        // None when words have their normals elsewhere.
-        self.view.moved().table()?;
-        self.shade.tones()
+    fn tones(&self, both: bool) -> Option<&[u8]> {
+        self.shade.tones(both)
     }
 
     #[cfg(rho_thumb)]

@@ -6,7 +6,7 @@
 
 use super::view::pack;
 use crate::blob::Layout;
-use crate::normal::{BITS, COUNT, FACES, OCTANT};
+use crate::normal::{COUNT, FACES, OCTANT};
 
 /// Normals that are moved alike are told apart by their upper seven bits.
 const CLASSES: usize = 128;
@@ -65,9 +65,8 @@ pub(super) struct Lengths {
 #[derive(Clone, Debug)]
 pub(super) struct Moved {
     by_normal: [[u32; OFFSETS]; CLASSES],
-    /// Shifts from a word to its class, and to its offset.
+    /// Shift from a word to its class; its offset is the lowest of it.
     to_class: u32,
-    to_offset: u32,
 }
 
 impl Moved {
@@ -75,7 +74,6 @@ impl Moved {
     pub(super) const NONE: Self = Self {
         by_normal: [[0; OFFSETS]; CLASSES],
         to_class: 0,
-        to_offset: 0,
     };
 
     pub(super) fn fill(
@@ -86,9 +84,7 @@ impl Moved {
         bias: Bias,
     ) {
         let under_normal = u32::from(layout.offset + layout.material);
-        self.to_class = (under_normal + BITS - CLASSES.ilog2()) & 31;
-        // Without offsets all entries of a class are the same, whatever the bits.
-        self.to_offset = u32::from(layout.material) & 31;
+        self.to_class = (under_normal + u32::from(layout.normal) - CLASSES.ilog2()) & 31;
 
         let Lengths { texel, cell, scale } = lengths;
         let [across, depth] = scale;
@@ -97,7 +93,8 @@ impl Moved {
         let deep = |length: i32| bounded(i64::from(length) * depth / across);
         let outwards = (texel * bias.texels + cell * bias.cells) >> 8;
         let lengths: [(i32, i32); OFFSETS] = core::array::from_fn(|step| {
-            let offset = layout.offset_q8((step as u32) << layout.material);
+            // Bits above those of the offset are ignored: entries repeat.
+            let offset = layout.offset_q8(step as u32);
             let length = bounded((outwards + ((cell * offset) >> 8)).into());
             (length, deep(length))
         });
@@ -129,7 +126,7 @@ impl Moved {
     #[inline(always)]
     pub(super) fn of(&self, word: u32) -> u32 {
         let class = (word >> self.to_class) as usize % CLASSES;
-        let offset = (word >> self.to_offset) as usize % OFFSETS;
+        let offset = word as usize % OFFSETS;
         let moved = self.by_normal.get(class).and_then(|m| m.get(offset));
         moved.copied().unwrap_or(0)
     }

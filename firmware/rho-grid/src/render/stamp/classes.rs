@@ -40,17 +40,18 @@ impl Classes {
         Self([none; CLASSES])
     }
 
-    /// Turns all classes into the camera's eye space.
+    /// Turns each `every`th class into the camera's eye space; it serves those up to the next, too.
     ///
     /// The octants mirror each other: the nine products of a face serve eight classes, and of
     /// opposite normals one follows from the other.
-    pub(in crate::render) fn turn(&mut self, camera: &Camera) {
+    pub(in crate::render) fn turn(&mut self, camera: &Camera, every: usize) {
         // Q14.
         let rotation = camera.rotation.map(|row| row.map(|v| v.to_bits() >> 16));
         let [right, up, back] = rotation;
         let down = up.map(|v| -v);
         let (front, opposite) = self.0.split_at_mut(CLASSES / 2);
-        for (face, [x, y, z]) in FACES.iter().step_by(1 << FINER).enumerate() {
+        let faces = FACES.iter().step_by(every << FINER);
+        for (face, [x, y, z]) in (0..).step_by(every).zip(faces) {
             let [x, y, z] = [*x, *y, *z].map(i32::from);
             // Q28; the four sums of positive x, by the octant's two lower bits.
             let sums = |[a, b, c]: [i32; 3]| {
@@ -59,21 +60,27 @@ impl Classes {
             };
             let (xs, ys, zs) = (sums(right), sums(down), sums(back));
             let octants = xs.into_iter().zip(ys).zip(zs);
-            let front = front.iter_mut().skip(face).step_by(FACES_A_OCTANT);
-            let opposite = opposite.iter_mut().skip(face).step_by(FACES_A_OCTANT).rev();
-            for ((((x, y), z), class), opposite) in octants.zip(front).zip(opposite) {
+            let fronts = front.chunks_exact_mut(FACES_A_OCTANT);
+            let opposites = opposite.chunks_exact_mut(FACES_A_OCTANT).rev();
+            for (((x, y), z), (front, opposite)) in octants.zip(fronts.zip(opposites)) {
                 let across = |v: i32| ((v + (1 << 22)) >> 23) as u32;
                 let across = across(x).wrapping_add(across(y) << 16);
                 let direction = mask::direction(x >> 14, y >> 14);
                 let towards = |z: i32| ((z << 2) as u32 & 0xFFFF_0000) | direction;
-                *class = Class {
+                let class = Class {
                     across,
                     towards: towards(z),
                 };
-                *opposite = Class {
+                let facing_away = Class {
                     across: 0u32.wrapping_sub(across),
                     towards: towards(-z),
                 };
+                let group = face..face + every;
+                front.get_mut(group.clone()).unwrap_or_default().fill(class);
+                opposite
+                    .get_mut(group)
+                    .unwrap_or_default()
+                    .fill(facing_away);
             }
         }
     }
@@ -109,7 +116,7 @@ mod tests {
                 height: 1,
             };
             let mut classes = Classes::empty();
-            classes.turn(&camera);
+            classes.turn(&camera, 1);
             let class = classes.of(index);
             let n = normal(index >> FINER << FINER).map(|c| f64::from(c.to_bits()) / 16384.0);
             let eye = rows.map(|r| r[0] * n[0] + r[1] * n[1] + r[2] * n[2]);

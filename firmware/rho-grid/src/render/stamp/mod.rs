@@ -80,6 +80,144 @@ pub(super) struct Stamps<'v> {
 /// Most parents of a block: it is divided by 5.
 const MAX_PARENTS: usize = 125;
 
+/// What a stamp reads of an attribute word; one type for each layout that can be stamped.
+pub(super) trait Fields {
+    /// A word in flash.
+    type Word: Copy + Default + Into<u32>;
+
+    /// Steps of the offset, 8 at most.
+    const OFFSETS: i32;
+
+    /// The normal's index, 13 bits.
+    fn normal(word: u32) -> u32;
+
+    /// The offset's step; bits above it are ignored.
+    fn offset(word: u32) -> u32;
+
+    /// What it looks like.
+    fn colour(shading: &impl Shade, word: u32) -> u16;
+
+    /// Stamps all of a block's parents in assembly, if that is made for such words and this target.
+    #[cfg(rho_thumb)]
+    fn thumb<V: Visibility>(
+        _: &Stamps<'_>,
+        _: &mut V,
+        _: &Parents<'_, '_, Self::Word>,
+        _: &impl Shade,
+    ) -> bool {
+        false
+    }
+}
+
+/// A normal of 13 bits over an offset of 3.
+pub(super) struct Offset;
+/// A normal of 11 bits over a material of 3 over an offset of 2.
+pub(super) struct Both;
+/// A colour over a normal of 13 bits over an offset of 3.
+pub(super) struct Colour;
+
+impl Fields for Offset {
+    type Word = u16;
+    const OFFSETS: i32 = 8;
+
+    #[inline(always)]
+    fn normal(word: u32) -> u32 {
+        word >> 3
+    }
+
+    #[inline(always)]
+    fn offset(word: u32) -> u32 {
+        word
+    }
+
+    #[inline(always)]
+    fn colour(shading: &impl Shade, word: u32) -> u16 {
+        shading.of_normal(word >> 3)
+    }
+
+    #[cfg(rho_thumb)]
+    fn thumb<V: Visibility>(
+        stamps: &Stamps<'_>,
+        target: &mut V,
+        parents: &Parents<'_, '_, u16>,
+        shading: &impl Shade,
+    ) -> bool {
+        thumb::stamp::<false, _, _>(stamps, parents, target, shading)
+    }
+}
+
+impl Fields for Both {
+    type Word = u16;
+    const OFFSETS: i32 = 4;
+
+    #[inline(always)]
+    fn normal(word: u32) -> u32 {
+        word >> 5 << 2
+    }
+
+    #[inline(always)]
+    fn offset(word: u32) -> u32 {
+        word & 3
+    }
+
+    #[inline(always)]
+    fn colour(shading: &impl Shade, word: u32) -> u16 {
+        shading.colour(word)
+    }
+
+    #[cfg(rho_thumb)]
+    fn thumb<V: Visibility>(
+        stamps: &Stamps<'_>,
+        target: &mut V,
+        parents: &Parents<'_, '_, u16>,
+        shading: &impl Shade,
+    ) -> bool {
+        thumb::stamp::<true, _, _>(stamps, parents, target, shading)
+    }
+}
+
+impl Fields for Colour {
+    type Word = u32;
+    const OFFSETS: i32 = 8;
+
+    #[inline(always)]
+    fn normal(word: u32) -> u32 {
+        word >> 3 & 0x1FFF
+    }
+
+    #[inline(always)]
+    fn offset(word: u32) -> u32 {
+        word
+    }
+
+    #[inline(always)]
+    fn colour(shading: &impl Shade, word: u32) -> u16 {
+        shading.colour(word)
+    }
+}
+
+/// Which [`Fields`] a grid's words have.
+#[derive(Clone, Copy)]
+pub(super) enum Kind {
+    Offset,
+    Both,
+    Colour,
+}
+
+impl Kind {
+    /// That of a layout; `None` when it cannot be stamped.
+    pub(super) fn of(layout: Layout) -> Option<Self> {
+        [
+            (Self::Offset, [Layout::OFFSET_THIN, Layout::OFFSET]),
+            (Self::Both, [Layout::BOTH_THIN, Layout::BOTH]),
+            (Self::Colour, [Layout::COLOUR_THIN, Layout::COLOUR]),
+        ]
+        .into_iter()
+        .find(|(_, layouts)| layouts.contains(&layout))
+        .map(|(kind, _)| kind)
+    }
+}
+
 /// Room for the parents of a block.
 pub(super) type ParentList = [u32; MAX_PARENTS];
 /// None.
@@ -97,7 +235,7 @@ pub(super) struct InLight<'a> {
 }
 
 /// The cells of a block: each is divided by 3, and its subcells are stamped.
-pub(super) struct Parents<'a, 'g> {
+pub(super) struct Parents<'a, 'g, W> {
     /// The block's centre.
     pub(super) centre: Homogeneous,
     /// From there to its subcells.
@@ -109,7 +247,7 @@ pub(super) struct Parents<'a, 'g> {
     /// The first of the block's parents in it.
     pub(super) first: u32,
     /// Attribute words of the level of their subcells.
-    pub(super) words: &'g [u16],
+    pub(super) words: &'g [W],
     /// Subcells of the block's division.
     #[cfg_attr(
         not(rho_thumb),
@@ -123,7 +261,7 @@ pub(super) struct Parents<'a, 'g> {
     count: usize,
 }
 
-impl<'a, 'g> Parents<'a, 'g> {
+impl<'a, 'g, W> Parents<'a, 'g, W> {
     /// No parents yet.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "fields by name")]
@@ -133,7 +271,7 @@ impl<'a, 'g> Parents<'a, 'g> {
         k: u32,
         level: &'a Level<'g>,
         first: u32,
-        words: &'g [u16],
+        words: &'g [W],
         subcells: usize,
         light: Option<InLight<'a>>,
         order: &'a mut ParentList,
@@ -215,7 +353,7 @@ impl<'v> Stamps<'v> {
     /// (Q8), and whose cells have a side of `side` and are `steps` apart (Q16); `None` when its
     /// discs cannot be stamped: too large, seen too far from the axis, or of another layout.
     #[inline(always)]
-    pub(super) fn new(
+    pub(super) fn new<F: Fields>(
         view: &'v View,
         offset_range: u8,
         steps: &[Step; 3],
@@ -242,8 +380,10 @@ impl<'v> Stamps<'v> {
 
         // 32nds of a pixel, rounded; below 2.6 pixels, so below 84.
         let unit = ((side >> 4) * i32::from(offset_range)) >> 7;
-        let first = (1 << 6) - ((7 * unit) >> 3);
-        let offset = |step: i32| ((first + ((unit * step) >> 2)) >> 7) as i8;
+        let first = (1 << 6) - (((F::OFFSETS - 1) * unit) / F::OFFSETS);
+        // Of four steps all eight entries tell, whatever stands above them in a word.
+        let offset =
+            |step: i32| ((first + (unit * (step % F::OFFSETS) * 2) / F::OFFSETS) >> 7) as i8;
 
         let packed = |s: &Step| ((s.x >> 6) as u32).wrapping_add(((s.y >> 6) as u32) << 16);
         let [sx, sy, sz] = steps;
@@ -291,11 +431,6 @@ impl<'v> Stamps<'v> {
         [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0]
     }
 
-    /// Whether samples of this layout can be stamped.
-    pub(super) fn stamps(layout: Layout) -> bool {
-        layout == Layout::OFFSET_THIN || layout == Layout::OFFSET
-    }
-
     /// How far a disc reaches beyond its cell's bounds at most, Q8.
     pub(super) fn overhang(side: i32) -> i32 {
         // 0.9 sides less the half that is within, and the offset: at most 0.87 sides.
@@ -305,20 +440,20 @@ impl<'v> Stamps<'v> {
 
     /// Stamps all subcells of a block's parents.
     #[inline(always)]
-    pub(super) fn stamp<V: Visibility, R: Reciprocal>(
+    pub(super) fn stamp<F: Fields, V: Visibility, R: Reciprocal>(
         &self,
         target: &mut V,
-        parents: &Parents<'_, '_>,
+        parents: &Parents<'_, '_, F::Word>,
         shading: &impl Shade,
     ) {
         #[cfg(rho_thumb)]
-        if let (Some(pixels), Some(tones)) = (target.tones(), shading.tones()) {
-            return thumb::stamp(self, parents, pixels, tones, shading.look_up());
+        if F::thumb(self, target, parents, shading) {
+            return;
         }
         match self.circle {
-            Circle::Two(c) => self.block::<V, R, _>(target, parents, Two(c), shading),
-            Circle::Three(c) => self.block::<V, R, _>(target, parents, Three(c), shading),
-            Circle::Four(c) => self.block::<V, R, _>(target, parents, Four(c), shading),
+            Circle::Two(c) => self.block::<F, V, R, _>(target, parents, Two(c), shading),
+            Circle::Three(c) => self.block::<F, V, R, _>(target, parents, Three(c), shading),
+            Circle::Four(c) => self.block::<F, V, R, _>(target, parents, Four(c), shading),
         }
     }
 
@@ -334,17 +469,17 @@ impl<'v> Stamps<'v> {
     }
 
     #[inline(never)]
-    fn block<V: Visibility, R: Reciprocal, C: Round>(
+    fn block<F: Fields, V: Visibility, R: Reciprocal, C: Round>(
         &self,
         target: &mut V,
-        parents: &Parents<'_, '_>,
+        parents: &Parents<'_, '_, F::Word>,
         circle: C,
         shading: &impl Shade,
     ) {
         let (x, y) = self.corner;
         let corner = target.corner(x, y);
         let (x, y) = self.origin(C::ROWS as i32);
-        let mut tail = [0; 16];
+        let mut tail = [F::Word::default(); 16];
         let depths = self.depths();
         let [.., deep_z] = self.depths;
         for parent in parents.order.iter().take(parents.count) {
@@ -380,7 +515,7 @@ impl<'v> Stamps<'v> {
                     continue;
                 }
                 let words = parents.words.get(first..).unwrap_or_default();
-                let words: &[u16; 16] = match words.first_chunk() {
+                let words: &[F::Word; 16] = match words.first_chunk() {
                     Some(words) => words,
                     None => {
                         // The last words of the grid.
@@ -401,28 +536,28 @@ impl<'v> Stamps<'v> {
                 };
                 let cells = cells.iter().take(count);
                 if order.is_backwards() {
-                    self.samples(target, &samples, cells.rev(), circle, shading);
+                    self.samples::<F, _, _>(target, &samples, cells.rev(), circle, shading);
                 } else {
-                    self.samples(target, &samples, cells, circle, shading);
+                    self.samples::<F, _, _>(target, &samples, cells, circle, shading);
                 }
             }
         }
     }
 
     #[inline(always)]
-    fn samples<'l, V: Visibility, C: Round>(
+    fn samples<'l, F: Fields, V: Visibility, C: Round>(
         &self,
         target: &mut V,
-        samples: &Samples<'_>,
+        samples: &Samples<'_, F::Word>,
         cells: impl Iterator<Item = &'l u8>,
         circle: C,
         shading: &impl Shade,
     ) {
         for cell in cells {
             let cell = u32::from(*cell);
-            let word = u32::from(entry(samples.words, cell >> 4));
-            let class = self.classes.of(word >> 3);
-            let offset = i32::from(entry(&self.offsets, word));
+            let word: u32 = entry(samples.words, cell >> 4).into();
+            let class = self.classes.of(F::normal(word));
+            let offset = i32::from(entry(&self.offsets, F::offset(word)));
             let place = samples
                 .at
                 .wrapping_add(entry(&self.cells, cell))
@@ -445,7 +580,7 @@ impl<'v> Stamps<'v> {
                 w: samples.w + entry(samples.depths, cell),
             };
             let colour = || match samples.light {
-                None => shading.of_normal(word >> 3),
+                None => F::colour(shading, word),
                 Some((at, cells)) => {
                     // The list's entry has the rank above the cell's number.
                     let subcell = samples.plane + (cell & 15) - FIRST;
@@ -459,8 +594,8 @@ impl<'v> Stamps<'v> {
 }
 
 /// The samples of a plane of 3 x 3 cells.
-struct Samples<'g> {
-    words: &'g [u16; 16],
+struct Samples<'g, W> {
+    words: &'g [W; 16],
     /// The place of the middle cell.
     at: u32,
     w: i32,

@@ -18,7 +18,8 @@
 //!   Only words of children are read.
 //! * *lists*: nine bits of a mask times the size of a list; a list has as many entries as it says.
 //! * *offsets by step, cells*: three bits; the number in a list's entry, 2 to 10.
-//! * *classes, tones*: nine and thirteen bits of a word of 16.
+//! * *classes, tones*: nine bits of a word of 16; thirteen, or fourteen where words name materials,
+//!   and [`stamp`] checks that there are as many tones.
 //! * *directions*: four bits. *Half-planes*: `ORIGIN` and the number of places are such that no sum of
 //!   a place within a window and a half width stays outside; [`stamp`] bounds `breadth`.
 //! * *circle*: eight or six bits of place, and [`Circle`] has a table of as many.
@@ -40,8 +41,9 @@ use super::mask::{Direction, HALF_PLANES, WINDOWS};
 use super::{Circle, MAX_PARENTS, Parents, Stamps, classes};
 use crate::normal::COUNT;
 use crate::render::project::Homogeneous;
-use crate::render::shadow::LookUp;
 use crate::render::tones::{SPREAD, margin};
+use crate::render::visibility::Visibility;
+use crate::shading::Shade;
 
 /// Bytes from row to row of the frames that the assembly knows.
 pub(in crate::render) const STRIDE: usize = 240;
@@ -272,6 +274,9 @@ unsafe extern "C" {
     fn rho_grid_stamp_two(block: *mut Block);
     fn rho_grid_stamp_three(block: *mut Block);
     fn rho_grid_stamp_four(block: *mut Block);
+    fn rho_grid_stamp_both_two(block: *mut Block);
+    fn rho_grid_stamp_both_three(block: *mut Block);
+    fn rho_grid_stamp_both_four(block: *mut Block);
     fn rho_grid_stamp_two_64(block: *mut Block);
     fn rho_grid_stamp_three_64(block: *mut Block);
     fn rho_grid_stamp_four_64(block: *mut Block);
@@ -285,21 +290,30 @@ unsafe extern "C" {
 
 /// Stamps all subcells of a block's parents.
 #[inline(always)]
-pub(super) fn stamp(
+pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     stamps: &Stamps<'_>,
-    parents: &Parents<'_, '_>,
-    pixels: &mut [u8],
-    tones: &[u8; COUNT],
-    shadows: Option<LookUp<'_>>,
-) {
+    parents: &Parents<'_, '_, u16>,
+    target: &mut V,
+    shading: &S,
+) -> bool {
+    let (Some(pixels), Some(tones)) = (target.tones(), shading.tones(BOTH)) else {
+        return false;
+    };
+    // A word without the bits below those that are looked up.
+    let looked_up = if BOTH { 2 * COUNT } else { COUNT };
+    if tones.len() < looked_up {
+        return false;
+    }
+    let shadows = shading.look_up();
     let bits = shadows.map_or(0, |shadows| shadows.bits);
     let light = match (shadows, &parents.light) {
-        (None, _) => InLight::NONE,
-        // Maps of other sizes there are none.
+        (None, None) => InLight::NONE,
+        // Of one material, and maps of the three sizes.
         (Some(shadows), Some(light))
-            if (6..=8).contains(&shadows.bits)
+            if !BOTH
+                && (6..=8).contains(&bits)
                 && light.parents.len() >= parents.subcells
-                && shadows.map.len() >> shadows.bits >> shadows.bits > 0 =>
+                && shadows.map.len() >> bits >> bits > 0 =>
         {
             InLight {
                 unlit: shadows.unlit.into(),
@@ -312,7 +326,7 @@ pub(super) fn stamp(
                 cells: light.cells.as_ptr().wrapping_sub(FIRST as usize),
             }
         }
-        _ => return,
+        _ => return false,
     };
     let (x, y) = stamps.corner;
     let corner = margin(STRIDE) as i32 + y * STRIDE as i32 + x;
@@ -326,7 +340,7 @@ pub(super) fn stamp(
         || order.is_empty()
         || parents.displacements.len() < parents.subcells
     {
-        return;
+        return true;
     }
     let (rows, circle): (i32, *const u8) = match stamps.circle {
         Circle::Two(circle) => (2, circle.as_ptr()),
@@ -373,21 +387,25 @@ pub(super) fn stamp(
     };
     // SAFETY: the module's argument; all that is pointed to is borrowed here.
     unsafe {
-        match (rows, bits) {
-            (2, 0) => rho_grid_stamp_two(&raw mut block),
-            (3, 0) => rho_grid_stamp_three(&raw mut block),
-            (_, 0) => rho_grid_stamp_four(&raw mut block),
-            (2, 6) => rho_grid_stamp_two_64(&raw mut block),
-            (3, 6) => rho_grid_stamp_three_64(&raw mut block),
-            (_, 6) => rho_grid_stamp_four_64(&raw mut block),
-            (2, 7) => rho_grid_stamp_two_128(&raw mut block),
-            (3, 7) => rho_grid_stamp_three_128(&raw mut block),
-            (_, 7) => rho_grid_stamp_four_128(&raw mut block),
-            (2, _) => rho_grid_stamp_two_256(&raw mut block),
-            (3, _) => rho_grid_stamp_three_256(&raw mut block),
-            (_, _) => rho_grid_stamp_four_256(&raw mut block),
+        match (rows, BOTH, bits) {
+            (2, true, _) => rho_grid_stamp_both_two(&raw mut block),
+            (3, true, _) => rho_grid_stamp_both_three(&raw mut block),
+            (_, true, _) => rho_grid_stamp_both_four(&raw mut block),
+            (2, false, 0) => rho_grid_stamp_two(&raw mut block),
+            (3, false, 0) => rho_grid_stamp_three(&raw mut block),
+            (_, false, 0) => rho_grid_stamp_four(&raw mut block),
+            (2, false, 6) => rho_grid_stamp_two_64(&raw mut block),
+            (3, false, 6) => rho_grid_stamp_three_64(&raw mut block),
+            (_, false, 6) => rho_grid_stamp_four_64(&raw mut block),
+            (2, false, 7) => rho_grid_stamp_two_128(&raw mut block),
+            (3, false, 7) => rho_grid_stamp_three_128(&raw mut block),
+            (_, false, 7) => rho_grid_stamp_four_128(&raw mut block),
+            (2, false, _) => rho_grid_stamp_two_256(&raw mut block),
+            (3, false, _) => rho_grid_stamp_three_256(&raw mut block),
+            (_, false, _) => rho_grid_stamp_four_256(&raw mut block),
         }
     }
+    true
 }
 
 const _: () = {
@@ -471,7 +489,7 @@ global_asm!(
     ".endm",
     // One sample. r0 block, r1 next entry, r2 end, r3 place, r4 words, r5 classes, r6 half-planes,
     // r7 corner; r8 to r12 and lr are free.
-    ".macro RHO_SAMPLES rows, backwards, shaded",
+    ".macro RHO_SAMPLES rows, backwards, under, shaded",
     "1:",
     ".if \\backwards",
     "ldrb r8, [r1, #-1]!",
@@ -535,7 +553,7 @@ global_asm!(
     "ldr r7, [r0, #76]",
     ".else",
     "ldrd r11, r12, [r0, #60]",
-    "lsr r8, r8, #3",
+    "lsr r8, r8, #\\under",
     "ldrb r8, [r11, r8]", // the tone
     "RHO_ROWS \\rows, r8",
     ".endif",
@@ -557,7 +575,7 @@ global_asm!(
     "b 2b",
     ".endm",
     // A plane: r1 its nine bits, r3 its place, r4 its words.
-    ".macro RHO_PLANE rows, backwards, shaded",
+    ".macro RHO_PLANE rows, backwards, under, shaded",
     "cbnz r1, 5f",
     "bx lr",
     "5:",
@@ -573,7 +591,7 @@ global_asm!(
     ".else",
     "add r2, r2, r1",
     ".endif",
-    "RHO_SAMPLES \\rows, \\backwards, \\shaded",
+    "RHO_SAMPLES \\rows, \\backwards, \\under, \\shaded",
     ".endm",
     // The displacements of a plane in the light, so many bytes from the first plane's.
     ".macro RHO_IN_LIGHT at, shaded",
@@ -587,7 +605,7 @@ global_asm!(
     ".endm",
     // All parents; shadows are looked up in a map of 2^shaded texels a side, if that is not 0.
     // Registers are saved for the caller, as its convention wants.
-    ".macro RHO_BLOCK name, rows, shaded",
+    ".macro RHO_BLOCK name, rows, under, shaded",
     ".section .text.\\name,\"ax\",%progbits",
     ".global \\name",
     ".type \\name,%function",
@@ -733,22 +751,25 @@ global_asm!(
     "bl 40f",
     "b 12b",
     "30:",
-    "RHO_PLANE \\rows, 0, \\shaded",
+    "RHO_PLANE \\rows, 0, \\under, \\shaded",
     "40:",
-    "RHO_PLANE \\rows, 1, \\shaded",
+    "RHO_PLANE \\rows, 1, \\under, \\shaded",
     ".size \\name, . - \\name",
     ".endm",
     ".syntax unified",
-    "RHO_BLOCK rho_grid_stamp_two, 2, 0",
-    "RHO_BLOCK rho_grid_stamp_three, 3, 0",
-    "RHO_BLOCK rho_grid_stamp_four, 4, 0",
-    "RHO_BLOCK rho_grid_stamp_two_64, 2, 6",
-    "RHO_BLOCK rho_grid_stamp_three_64, 3, 6",
-    "RHO_BLOCK rho_grid_stamp_four_64, 4, 6",
-    "RHO_BLOCK rho_grid_stamp_two_128, 2, 7",
-    "RHO_BLOCK rho_grid_stamp_three_128, 3, 7",
-    "RHO_BLOCK rho_grid_stamp_four_128, 4, 7",
-    "RHO_BLOCK rho_grid_stamp_two_256, 2, 8",
-    "RHO_BLOCK rho_grid_stamp_three_256, 3, 8",
-    "RHO_BLOCK rho_grid_stamp_four_256, 4, 8",
+    "RHO_BLOCK rho_grid_stamp_two, 2, 3, 0",
+    "RHO_BLOCK rho_grid_stamp_three, 3, 3, 0",
+    "RHO_BLOCK rho_grid_stamp_four, 4, 3, 0",
+    "RHO_BLOCK rho_grid_stamp_both_two, 2, 2, 0",
+    "RHO_BLOCK rho_grid_stamp_both_three, 3, 2, 0",
+    "RHO_BLOCK rho_grid_stamp_both_four, 4, 2, 0",
+    "RHO_BLOCK rho_grid_stamp_two_64, 2, 3, 6",
+    "RHO_BLOCK rho_grid_stamp_three_64, 3, 3, 6",
+    "RHO_BLOCK rho_grid_stamp_four_64, 4, 3, 6",
+    "RHO_BLOCK rho_grid_stamp_two_128, 2, 3, 7",
+    "RHO_BLOCK rho_grid_stamp_three_128, 3, 3, 7",
+    "RHO_BLOCK rho_grid_stamp_four_128, 4, 3, 7",
+    "RHO_BLOCK rho_grid_stamp_two_256, 2, 3, 8",
+    "RHO_BLOCK rho_grid_stamp_three_256, 3, 3, 8",
+    "RHO_BLOCK rho_grid_stamp_four_256, 4, 3, 8",
 );
