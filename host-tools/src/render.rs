@@ -343,8 +343,8 @@ impl<'a> Stage<'a> {
             return self.draw_deep::<_, true>(placed, shading, target);
         }
         let mut target = Recorder::new(target, &mut self.depth, placed, &self.tables);
-        render::draw_seen(
-            placed.mode,
+        render::draw_divided(
+            placed.mode.footprint,
             &placed.grid,
             &self.tables,
             shading,
@@ -364,8 +364,8 @@ impl<'a> Stage<'a> {
             z = z.scaled(placed.depth_factor(&self.tables, unit));
         }
         let mut target = Recorder::new(&mut z, &mut self.depth, placed, &self.tables);
-        render::draw_seen(
-            placed.mode,
+        render::draw_divided(
+            placed.mode.footprint,
             &placed.grid,
             &self.tables,
             shading,

@@ -75,13 +75,16 @@ fn modes() -> Vec<Mode> {
     ] {
         for &footprint in FootprintMode::ALL {
             for &reciprocal in ReciprocalMode::ALL {
-                modes.push(Mode {
+                let mode = Mode {
                     visibility,
                     footprint,
                     reciprocal,
                     frame,
                     ..Mode::default()
-                });
+                };
+                if mode.contradiction().is_none() {
+                    modes.push(mode);
+                }
             }
         }
     }

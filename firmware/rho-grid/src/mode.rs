@@ -239,6 +239,26 @@ pub struct Mode {
     pub light_splat: LightSplat,
 }
 
+impl Mode {
+    /// Why this is no way to draw, if it is none.
+    #[must_use]
+    pub fn contradiction(&self) -> Option<&'static str> {
+        let words = self.frame == FrameMode::Words;
+        let filled = matches!(self.footprint, FootprintMode::Box | FootprintMode::Disc);
+        if !words && self.visibility == VisibilityMode::Z {
+            return Some("a frame of tones or quarters is drawn in eye order alone");
+        }
+        if !words && !filled {
+            return Some("a frame of tones or quarters is drawn in boxes or discs");
+        }
+        let divides = self.reciprocal == ReciprocalMode::Divide;
+        if !divides && !(words && self.shadows == ShadowMode::None) {
+            return Some("the table of reciprocals serves frames of words without shadows");
+        }
+        None
+    }
+}
+
 impl Default for Mode {
     fn default() -> Self {
         Self {
@@ -373,6 +393,37 @@ mod tests {
             Preset::Fine.cells(&camera(0.0)),
             Preset::Fine.cells(&camera(0.5))
         );
+    }
+
+    #[test]
+    fn every_preset_is_a_way_to_draw_and_contradictions_are_not() {
+        let words = Mode::default();
+        let tones = Mode {
+            frame: FrameMode::Tones,
+            ..words
+        };
+        let table = Mode {
+            reciprocal: ReciprocalMode::Table,
+            ..words
+        };
+        for mode in [words, tones, table] {
+            assert_eq!(mode.contradiction(), None);
+        }
+        let z = Mode {
+            visibility: VisibilityMode::Z,
+            ..tones
+        };
+        let points = Mode {
+            footprint: FootprintMode::Point,
+            ..tones
+        };
+        let divided = Mode {
+            reciprocal: ReciprocalMode::Table,
+            ..tones
+        };
+        for mode in [z, points, divided] {
+            assert!(mode.contradiction().is_some(), "{mode:?}");
+        }
     }
 
     #[test]

@@ -6,7 +6,9 @@ use rho_grid::blob::Blob;
 use rho_grid::mode::{FootprintMode, FrameMode};
 use rho_grid::reciprocal::Divide;
 use rho_grid::render::footprint::{Disc, PixelCentre};
-use rho_grid::render::{Canvas, Rect, Tones, View, Visibility, ZBuffer, draw, draw_seen};
+use rho_grid::render::{
+    Canvas, Rect, Tones, View, Visibility, ZBuffer, draw, draw_divided, draw_seen,
+};
 use rho_grid::scene::{Arrangement, Placed, SceneTones, Turn};
 use rho_grid::shading::Shade;
 
@@ -29,7 +31,7 @@ pub(crate) trait Modes {
     ) -> Option<Rect>;
 }
 
-/// All of them.
+/// All of them, for words.
 pub(crate) struct Every;
 
 impl Modes for Every {
@@ -45,11 +47,28 @@ impl Modes for Every {
     }
 }
 
-/// Those that a preset chooses: discs, or boxes where samples have no offsets.
-pub(crate) struct Preset;
+/// All but the table of reciprocals: for words with shadows.
+pub(crate) struct Divided;
 
-impl Modes for Preset {
-    const DEPTHS: bool = false;
+impl Modes for Divided {
+    const DEPTHS: bool = true;
+
+    fn draw<V: Visibility>(
+        placed: &Placed<'_>,
+        view: &View,
+        shading: &impl Shade,
+        target: &mut V,
+    ) -> Option<Rect> {
+        let footprint = placed.mode.footprint;
+        draw_divided(footprint, &placed.grid, view, shading, target)
+    }
+}
+
+/// Those that a preset chooses: discs, or boxes where samples have no offsets.
+pub(crate) struct Preset<const DEPTHS: bool>;
+
+impl<const DEPTHS: bool> Modes for Preset<DEPTHS> {
+    const DEPTHS: bool = DEPTHS;
 
     fn draw<V: Visibility>(
         placed: &Placed<'_>,

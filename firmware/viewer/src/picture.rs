@@ -7,14 +7,14 @@ use rho_grid::blob::{Blob, BlobError};
 use rho_grid::frame::Frame;
 use rho_grid::mode::{FrameMode, VisibilityMode};
 use rho_grid::render::{
-    Blend, Buffers, EyeOrder, Rect, Tones, View, ViewError, ZBuffer, bands, draw_seen,
-    quarter_words, tone_words,
+    Blend, Buffers, EyeOrder, Rect, Tones, View, ViewError, ZBuffer, bands, quarter_words,
+    tone_words,
 };
 use rho_grid::scene::{Arrangement, Placed, SceneTones, Turn};
 use rho_grid::shading::{Shade, Shading};
 
 use crate::count::{Counter, Phase, Stopwatch};
-use crate::instances::{Every, Instances, draw_turn, place};
+use crate::instances::{Divided, Every, Instances, Modes, Preset, draw_turn, place};
 use crate::painter::{Give, PaintError, Painter, Shapes, draw_part};
 use crate::panel::ScreenError;
 use crate::request::Scene;
@@ -152,7 +152,9 @@ impl fmt::Display for ModelError {
             Self::Blob(error) => error.fmt(f),
             Self::Grid(index) => write!(f, "the blob has no grid {index}"),
             Self::View(error) => error.fmt(f),
-            Self::Mode => f.write_str("this program draws by presets alone"),
+            Self::Mode => {
+                f.write_str("this program does not draw in this mode (some draw by presets alone)")
+            }
             Self::Tangled => {
                 f.write_str("objects reach into each other, and there is no memory for depths")
             }
@@ -197,6 +199,9 @@ impl<'a> Model<'a> {
     ) -> Result<(), ModelError> {
         let Scene { camera, mode, .. } = scene;
         let blob = &self.blob;
+        if mode.contradiction().is_some() {
+            return Err(ModelError::Mode);
+        }
         if mode.fineness.is_none() && !blob.is_scene() && mode.grid >= blob.grid_count() {
             return Err(ModelError::Grid(mode.grid));
         }
@@ -241,7 +246,7 @@ impl<'a> Model<'a> {
                 PanelTones::cleared(tones, camera.width, camera.height)
             })
             .ok_or(ModelError::TooLarge)?;
-        instances.draw::<Every, _, _, _>(&mut frame, None, watch)?;
+        instances.draw::<Preset<true>, _, _, _>(&mut frame, None, watch)?;
         watch.time(Phase::Send, || {
             let palette = instances.scene_tones.palette(&self.blob);
             for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
@@ -273,7 +278,7 @@ impl<'a> Model<'a> {
                     PanelQuarters::band(tones, 2 * camera.width, rows.clone())
                 })
                 .ok_or(ModelError::TooLarge)?;
-            instances.draw::<Every, _, _, _>(&mut band, Some(&rows), watch)?;
+            instances.draw::<Preset<true>, _, _, _>(&mut band, Some(&rows), watch)?;
             watch.time(Phase::Fill, || blend.rows(&band, words, camera.width));
         }
         Ok(())
@@ -328,9 +333,9 @@ impl<'a> Model<'a> {
                     depth,
                 };
                 match &shadows {
-                    None => turn.draw(&shading, &mut frame),
+                    None => turn.draw::<Every>(&shading, &mut frame),
                     Some(Seen { tables, map, .. }) => {
-                        turn.draw(&tables.over(&shading, map), &mut frame)
+                        turn.draw::<Divided>(&tables.over(&shading, map), &mut frame)
                     }
                 }
             })?;
@@ -350,7 +355,7 @@ struct InWords<'a, 'g> {
 }
 
 impl InWords<'_, '_> {
-    fn draw(
+    fn draw<M: Modes>(
         &mut self,
         shading: &impl Shade,
         frame: &mut Frame<'_>,
@@ -360,7 +365,7 @@ impl InWords<'_, '_> {
             VisibilityMode::Eye => {
                 let target = EyeOrder::new(frame, self.coverage);
                 let target = &mut target.ok_or(ModelError::TooLarge)?;
-                draw_turn::<Every, _>(self.turn, placed, view, shading, unit, target, self.depth)
+                draw_turn::<M, _>(self.turn, placed, view, shading, unit, target, self.depth)
             }
             VisibilityMode::Z => {
                 let target = ZBuffer::<_, false>::new(frame, self.depth);
@@ -369,7 +374,7 @@ impl InWords<'_, '_> {
                     target = target.scaled(placed.depth_factor(view, unit));
                 }
                 let target = &mut target;
-                Ok(draw_seen(placed.mode, &placed.grid, view, shading, target))
+                Ok(M::draw(placed, view, shading, target))
             }
         }
     }

@@ -4,7 +4,7 @@
 //! colours are looked up as they are sent, a strip of rows at a time, so that no frame of colours is
 //! ever whole. Objects that reach into each other need depths, for which it has no room. What it draws is what [`Frames`](crate::picture::Frames) draws by the same presets.
 
-use rho_grid::mode::{FootprintMode, FrameMode, Mode, ReciprocalMode, ShadowMode, VisibilityMode};
+use rho_grid::mode::{FrameMode, Mode, ShadowMode};
 use rho_grid::render::{Blend, View, bands};
 use rho_grid::scene::{Arrangement, SceneTones};
 
@@ -51,11 +51,8 @@ impl Default for Strips {
 
 /// Whether a mode is among those that a preset may be.
 fn is_known(mode: Mode) -> bool {
-    mode.visibility == VisibilityMode::Eye
-        && mode.reciprocal == ReciprocalMode::Divide
-        && mode.frame != FrameMode::Words
-        && mode.shadows == ShadowMode::None
-        && matches!(mode.footprint, FootprintMode::Disc | FootprintMode::Box)
+    let lit = mode.shadows == ShadowMode::None;
+    mode.contradiction().is_none() && mode.frame != FrameMode::Words && lit
 }
 
 impl Painter for Strips {
@@ -96,7 +93,7 @@ impl Painter for Strips {
                         PanelQuarters::band(tones, 2 * camera.width, rows.clone())
                     })
                     .ok_or(ModelError::TooLarge)?;
-                instances.draw::<Preset, _, _, _>(&mut band, Some(&rows), watch)?;
+                instances.draw::<Preset<false>, _, _, _>(&mut band, Some(&rows), watch)?;
                 watch.time(Phase::Fill, || blend.rows(&band, strip, camera.width));
                 watch.time(Phase::Send, || give(strip))?;
             }
@@ -107,7 +104,7 @@ impl Painter for Strips {
                 PanelTones::cleared(tones, camera.width, camera.height)
             })
             .ok_or(ModelError::TooLarge)?;
-        instances.draw::<Preset, _, _, _>(&mut frame, None, watch)?;
+        instances.draw::<Preset<false>, _, _, _>(&mut frame, None, watch)?;
         watch.time(Phase::Send, || {
             let mut rows = frame.rows();
             loop {
@@ -144,6 +141,7 @@ impl Painter for Strips {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rho_grid::mode::VisibilityMode;
 
     const _: () = assert!(HEIGHT.is_multiple_of(STRIP));
 

@@ -84,17 +84,12 @@ impl ModeArgs {
         let preset = preset.mode(blob, camera);
         let visibility = self.visibility.unwrap_or(preset.visibility);
         let frame = match (visibility, self.frame) {
-            (VisibilityMode::Z, Some(FrameMode::Tones | FrameMode::Quarters)) => {
-                return Err(Failure::input(
-                    "a frame of tones or quarters is drawn in eye order alone",
-                )
-                .help("leave --visibility z away, or take --frame words"));
-            }
             (_, Some(frame)) => frame,
+            (VisibilityMode::Eye, None) if self.is_for_words() => FrameMode::Words,
             (VisibilityMode::Eye, None) => preset.frame,
             (VisibilityMode::Z, None) => FrameMode::Words,
         };
-        Ok(Mode {
+        let mode = Mode {
             visibility,
             footprint: self.footprint.unwrap_or(preset.footprint),
             reciprocal: self.reciprocal.unwrap_or(preset.reciprocal),
@@ -105,7 +100,18 @@ impl ModeArgs {
             shadows: self.shadows.unwrap_or(preset.shadows),
             shadow_map: self.shadow_map.unwrap_or(preset.shadow_map),
             light_splat: self.light_splat.unwrap_or(preset.light_splat),
-        })
+        };
+        match mode.contradiction() {
+            Some(why) => Err(Failure::input(why)
+                .help("leave that flag away, or take --frame words (and no --shadows)")),
+            None => Ok(mode),
+        }
+    }
+
+    /// Whether a flag asks for what only frames of words have.
+    fn is_for_words(&self) -> bool {
+        let small = [FootprintMode::Point, FootprintMode::Splat].map(Some);
+        small.contains(&self.footprint) || self.reciprocal == Some(ReciprocalMode::Table)
     }
 
     /// What should be known before this mode draws this blob.

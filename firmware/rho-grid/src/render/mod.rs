@@ -102,6 +102,23 @@ pub fn draw_seen<V: Visibility>(
     }
 }
 
+/// As [`draw_seen`], dividing: each way to draw is code of its own, and frames that no table of
+/// reciprocals is measured with need not have it twice.
+pub fn draw_divided<V: Visibility>(
+    footprint: FootprintMode,
+    grid: &Grid<'_>,
+    view: &View,
+    shading: &impl Shade,
+    target: &mut V,
+) -> Option<Rect> {
+    match footprint {
+        FootprintMode::Point => draw::<V, Point, Divide>(grid, view, shading, target),
+        FootprintMode::Splat => draw::<V, Splat, Divide>(grid, view, shading, target),
+        FootprintMode::Box => draw::<V, PixelCentre, Divide>(grid, view, shading, target),
+        FootprintMode::Disc => draw::<V, Disc, Divide>(grid, view, shading, target),
+    }
+}
+
 fn draw_shaped<V: Visibility, F: Footprint>(
     mode: Mode,
     grid: &Grid<'_>,
