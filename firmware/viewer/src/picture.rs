@@ -327,8 +327,14 @@ impl<'a> Model<'a> {
                     coverage,
                     depth,
                 };
-                match &shadows {
+                match &mut shadows {
                     None => turn.draw(&shading, &mut frame),
+                    Some(Seen {
+                        tables,
+                        map,
+                        one_pass: Some(_),
+                        ..
+                    }) => turn.draw(&tables.in_order(&shading, map.lend()), &mut frame),
                     Some(Seen { tables, map, .. }) => {
                         turn.draw(&tables.over(&shading, map), &mut frame)
                     }

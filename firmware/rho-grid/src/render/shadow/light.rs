@@ -93,6 +93,12 @@ impl LightSpace {
         }
     }
 
+    /// Along each axis of an instance's cube, whether higher cells are nearer to the light.
+    pub(super) fn higher(&self, instance: &Instance) -> [bool; 3] {
+        let [_, _, away] = self.local(instance).axes;
+        away.map(|c| c < 0)
+    }
+
     /// Widens the bounds so that they hold the cells of an instance's `grid`.
     pub fn hold(&mut self, instance: &Instance, grid: &Grid<'_>) {
         let local = self.local(instance);
