@@ -128,7 +128,11 @@ pub fn render_from(
         let mut tables = Box::new(Shadows::empty());
         let mut map = ShadowMap::cleared(&mut texels, mode.shadow_map)
             .ok_or_else(|| internal("shadow map"))?;
-        tables.cast(blob, towards, mode.light_splat, &mut map);
+        if mode.shadows == ShadowMode::OnePass {
+            tables.fit(blob, towards);
+        } else {
+            tables.cast(blob, towards, mode.light_splat, &mut map);
+        }
         stage.shadows = Some((tables, map));
     }
     let mut coverage = None;
@@ -185,7 +189,13 @@ pub fn render_from(
                 let mut target =
                     EyeOrder::new(&mut frame, &mut bits).ok_or_else(|| internal("coverage"))?;
                 stage.draw(*turn, &placed, &shading, &mut target);
-            } else if let Some((tables, map)) = stage.shadows.take() {
+            } else if let Some((tables, mut map)) = stage.shadows.take() {
+                if mode.shadows == ShadowMode::OnePass {
+                    let shading = tables.in_order(&shading, map.lend());
+                    stage.draw_deep::<_, false>(&placed, &shading, &mut frame);
+                    stage.shadows = Some((tables, map));
+                    continue;
+                }
                 stage.draw_deep::<_, false>(&placed, &tables.over(&shading, &map), &mut frame);
                 stage.shadows = Some((tables, map));
             } else {
@@ -257,7 +267,12 @@ impl<'a> Stage<'a> {
                 .prepare(seen, &placed.grid, self.mode.cell_size)
                 .map_err(|e| Failure::input(e.to_string()))?;
             if let Some((tables, map)) = &mut self.shadows {
-                tables.see(&placed.instance, &placed.grid, map.size());
+                let (instance, grid, size) = (&placed.instance, &placed.grid, map.size());
+                if self.mode.shadows == ShadowMode::OnePass {
+                    tables.see_in_order(instance, grid, size, self.mode.light_splat);
+                } else {
+                    tables.see(instance, grid, size);
+                }
             }
         }
         Ok(placed)

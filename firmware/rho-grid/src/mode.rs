@@ -58,6 +58,9 @@ pub enum ShadowMode {
     TwoPass,
     /// The same, but the map of the frame before is kept while neither light nor object has moved.
     Kept,
+    /// Cells come in the order in which the light meets them, and the map is filled while drawing; for
+    /// one object, against depths.
+    OnePass,
 }
 
 /// The side of a shadow map in texels: 64, 128 or 256. Texels have two bytes.
@@ -251,6 +254,9 @@ impl Mode {
         if !words && !filled {
             return Some("a frame of tones or quarters is drawn in boxes or discs");
         }
+        if self.shadows == ShadowMode::OnePass && self.visibility == VisibilityMode::Eye {
+            return Some("shadows in one pass come in the order of the light, against depths");
+        }
         let divides = self.reciprocal == ReciprocalMode::Divide;
         if !divides && !(words && self.shadows == ShadowMode::None) {
             return Some("the table of reciprocals serves frames of words without shadows");
@@ -343,8 +349,9 @@ names!(
     FrameMode::Words => "words", FrameMode::Tones => "tones", FrameMode::Quarters => "quarters"
 );
 names!(
-    ShadowMode, "none, two-pass, kept",
-    ShadowMode::None => "none", ShadowMode::TwoPass => "two-pass", ShadowMode::Kept => "kept"
+    ShadowMode, "none, two-pass, kept, one-pass",
+    ShadowMode::None => "none", ShadowMode::TwoPass => "two-pass", ShadowMode::Kept => "kept",
+    ShadowMode::OnePass => "one-pass"
 );
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 //! drawing.
 
 use crate::blob::format::MAX_MATERIALS;
-use crate::blob::{Blob, Layout, Material};
+use crate::blob::{Blob, Grid, Layout, Material};
 use crate::lighting::{self, Lighting};
 use crate::normal::{BITS, COUNT, FACES, OCTANT};
 use crate::q::Unit;
@@ -31,6 +31,25 @@ pub trait Shade {
     fn light(&self) -> Option<&ShadowView> {
         None
     }
+
+    /// Whether samples must come in the order in which the light meets them.
+    const MEETS: bool = false;
+
+    /// Along each axis of the grid, whether higher cells are nearer to that light.
+    #[inline(always)]
+    fn higher(&self) -> [bool; 3] {
+        [false; 3]
+    }
+
+    /// Meets a sample in a cell at this place in the light: it shades what is met later. Its colour.
+    #[inline(always)]
+    fn meet(&self, word: u32, _place: u32) -> u16 {
+        self.colour(word)
+    }
+
+    /// Meets all samples below a cell of `level` that is out of sight.
+    #[inline(always)]
+    fn meet_below(&self, _grid: &Grid<'_>, _level: usize, _node: u32, _place: [i32; 3]) {}
 
     /// The colour of a sample in a cell at this place in the light.
     #[inline(always)]

@@ -332,8 +332,17 @@ impl<'a> Model<'a> {
                     coverage,
                     depth,
                 };
-                match &shadows {
+                match &mut shadows {
                     None => turn.draw::<Every>(&shading, &mut frame),
+                    Some(Seen {
+                        tables,
+                        map,
+                        one_pass: Some(_),
+                        ..
+                    }) => {
+                        let shading = tables.in_order(&shading, map.lend());
+                        turn.draw_deep::<Divided>(&shading, &mut frame)
+                    }
                     Some(Seen { tables, map, .. }) => {
                         turn.draw::<Divided>(&tables.over(&shading, map), &mut frame)
                     }
@@ -367,15 +376,22 @@ impl InWords<'_, '_> {
                 let target = &mut target.ok_or(ModelError::TooLarge)?;
                 draw_turn::<M, _>(self.turn, placed, view, shading, unit, target, self.depth)
             }
-            VisibilityMode::Z => {
-                let target = ZBuffer::<_, false>::new(frame, self.depth);
-                let mut target = target.ok_or(ModelError::TooLarge)?;
-                if let Some(unit) = unit {
-                    target = target.scaled(placed.depth_factor(view, unit));
-                }
-                let target = &mut target;
-                Ok(M::draw(placed, view, shading, target))
-            }
+            VisibilityMode::Z => self.draw_deep::<M>(shading, frame),
         }
+    }
+
+    /// In any order, against depths.
+    fn draw_deep<M: Modes>(
+        &mut self,
+        shading: &impl Shade,
+        frame: &mut Frame<'_>,
+    ) -> Result<Option<Rect>, ModelError> {
+        let (placed, view) = (self.placed, self.view);
+        let target = ZBuffer::<_, false>::new(frame, self.depth);
+        let mut target = target.ok_or(ModelError::TooLarge)?;
+        if let Some(unit) = self.unit {
+            target = target.scaled(placed.depth_factor(view, unit));
+        }
+        Ok(M::draw(placed, view, shading, &mut target))
     }
 }

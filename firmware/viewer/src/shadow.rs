@@ -56,7 +56,9 @@ impl Shadow {
                 splat: mode.light_splat,
             };
             let kept = mode.shadows == ShadowMode::Kept && self.made_for == Some(wanted);
-            self.made_for = Some(wanted);
+            // One pass leaves a map that other splats made.
+            let lasts = mode.shadows != ShadowMode::OnePass;
+            self.made_for = lasts.then_some(wanted);
             let Self {
                 tables, map, seen, ..
             } = self;
@@ -65,10 +67,20 @@ impl Shadow {
             } else {
                 *seen = None;
                 let mut map = ShadowMap::cleared(map, wanted.size)?;
-                tables.cast(blob, *light, wanted.splat, &mut map);
+                if mode.shadows == ShadowMode::OnePass {
+                    tables.fit(blob, *light);
+                } else {
+                    tables.cast(blob, *light, wanted.splat, &mut map);
+                }
                 map
             };
-            Some(Seen { tables, map, seen })
+            let one_pass = (mode.shadows == ShadowMode::OnePass).then_some(wanted.splat);
+            Some(Seen {
+                tables,
+                map,
+                one_pass,
+                seen,
+            })
         })
     }
 }
@@ -77,6 +89,8 @@ impl Shadow {
 pub(crate) struct Seen<'a> {
     pub(crate) tables: &'a mut Shadows,
     pub(crate) map: ShadowMap<'a>,
+    /// The size of splats, if the map is filled while drawing.
+    pub(crate) one_pass: Option<LightSplat>,
     seen: &'a mut Option<(u16, u16)>,
 }
 
@@ -90,8 +104,10 @@ impl Seen<'_> {
         *self.seen = wanted;
         let grid: &Grid<'_> = &placed.grid;
         let size = self.map.size();
-        watch.time(Phase::ShadowMap, || {
-            self.tables.see(&placed.instance, grid, size);
+        let instance = &placed.instance;
+        watch.time(Phase::ShadowMap, || match self.one_pass {
+            None => self.tables.see(instance, grid, size),
+            Some(splat) => self.tables.see_in_order(instance, grid, size, splat),
         });
     }
 }

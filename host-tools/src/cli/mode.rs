@@ -41,7 +41,8 @@ pub struct ModeArgs {
     #[arg(long, value_name = "PX", value_parser = pixel_size, allow_hyphen_values = true)]
     cell_size: Option<PixelSize>,
     /// How shadows are found: none, two-pass (a shadow map is filled, then looked up), kept (the
-    /// same, but the map stays while light and object do) [default: none]
+    /// same, but the map stays while light and object do), one-pass (the map is filled while drawing
+    /// one object in the order of the light, against depths) [default: none]
     #[arg(long, value_name = "NAME")]
     shadows: Option<ShadowMode>,
     /// Texels of the shadow map along a side: 64, 128, 256 [default: 128]
@@ -82,7 +83,25 @@ impl ModeArgs {
     pub fn mode(&self, blob: &Blob<'_>, camera: &Camera) -> Outcome<Mode> {
         let preset = self.preset.unwrap_or(Preset::Balanced);
         let preset = preset.mode(blob, camera);
-        let visibility = self.visibility.unwrap_or(preset.visibility);
+        let shadows = self.shadows.unwrap_or(preset.shadows);
+        let one_pass = shadows == ShadowMode::OnePass;
+        if one_pass && blob.instance_count() > 1 {
+            return Err(
+                Failure::input("one pass draws the shadows of one object alone")
+                    .help("take --shadows two-pass for a scene"),
+            );
+        }
+        let visibility = match (self.visibility, one_pass) {
+            (Some(VisibilityMode::Eye), true) => {
+                return Err(Failure::input(
+                    "shadows in one pass come in the order of the light, not of the eye",
+                )
+                .help("leave --visibility eye away, or take --shadows two-pass"));
+            }
+            (Some(visibility), _) => visibility,
+            (None, true) => VisibilityMode::Z,
+            (None, false) => preset.visibility,
+        };
         let frame = match (visibility, self.frame) {
             (_, Some(frame)) => frame,
             (VisibilityMode::Eye, None) if self.is_for_words() => FrameMode::Words,
@@ -97,7 +116,7 @@ impl ModeArgs {
             grid: self.grid.unwrap_or(preset.grid),
             fineness: preset.fineness.filter(|_| self.grid.is_none()),
             cell_size: self.cell_size.unwrap_or(preset.cell_size),
-            shadows: self.shadows.unwrap_or(preset.shadows),
+            shadows,
             shadow_map: self.shadow_map.unwrap_or(preset.shadow_map),
             light_splat: self.light_splat.unwrap_or(preset.light_splat),
         };

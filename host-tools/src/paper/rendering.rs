@@ -174,8 +174,14 @@ pub fn table_5(device: &Device, done: &dyn Fn()) -> Outcome<String> {
         let (name, blob) = device.baked(row)?;
         let mut cells = vec![name, size(blob.len() as u64)];
         for ((_, flags), printed) in WAYS.iter().zip(row.printed) {
-            let run = device.draw(&blob, flags, &near)?;
-            cells.push(millions(run.report.phases.frame() as f64));
+            // One pass draws the shadows of one object alone.
+            let is_drawn = row.model.is_some() || !flags.contains("one-pass");
+            cells.push(if is_drawn {
+                let run = device.draw(&blob, flags, &near)?;
+                millions(run.report.phases.frame() as f64)
+            } else {
+                "-".to_owned()
+            });
             cells.push(printed.map_or("-".to_owned(), |fps| millions(CLOCK / fps)));
             done();
         }
@@ -234,10 +240,10 @@ const NEAR: Shot = Shot::Standard(StandardView::Near);
 const FIGURES: [Figure; 9] = [
     figure(
         "figure-1-big-scene.png",
-        "Figure 1: the Big Scene, level 4, splats, shadows in one pass",
+        "Figure 1: the Big Scene, level 4, splats, shadows in two passes",
         None,
         4,
-        ONE_PASS_SPLATS,
+        TWO_PASS_SPLATS,
         NEAR,
     ),
     figure(

@@ -21,6 +21,7 @@ use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
 use super::order::{self, List, Order};
 use super::project::{Bounds, Homogeneous, OverW};
+use super::shadow::ShadowView;
 use super::stamp::{self, Fields, Kind, Stamps};
 use super::view::{Half, LevelView, Slabs, Step, Steps, View};
 use super::visibility::{Rect, Visibility};
@@ -146,10 +147,15 @@ pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
         view,
         shading,
         target,
-        stamps: Kind::of(grid.layout()),
+        stamps: Kind::of(grid.layout()).filter(|_| !meets(shading)),
         parents: stamp::NO_PARENTS,
     }
     .run::<F, R>()
+}
+
+/// Whether samples must come one by one in the order of a light.
+fn meets<S: Shade>(_: &S) -> bool {
+    S::MEETS
 }
 
 impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
@@ -170,6 +176,10 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             parent.next += 1;
             let Some((cell, pixels)) = self.subcell::<F, R>(parent, level, subcell.unwrap_or(0))
             else {
+                if S::MEETS {
+                    let parent = *parent;
+                    self.meet_below(&parent, level, subcell.unwrap_or(0));
+                }
                 continue;
             };
             let child_level = level + 1;
@@ -177,11 +187,22 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             if leaf || self.level(child_level).stop_w <= cell.centre.w {
                 let first = self.first(child_level);
                 self.sample::<F>(&cell, child_level, first + cell.node);
-            } else if !self.is_behind(pixels, cell.centre, child_level) {
+            } else if S::MEETS || !self.is_behind(pixels, cell.centre, child_level) {
                 open += usize::from(self.enter::<F, R>(cell, child_level, &mut stack));
             }
         }
         Some(reach)
+    }
+
+    /// Meets the samples of a subcell of a cell of `level` that is out of sight.
+    #[cold]
+    fn meet_below(&self, parent: &Open, level: usize, subcell: u8) {
+        let rho = self.grid.levels().get(level).map_or(2, |nodes| nodes.rho);
+        let [i, j, k] = order::place(rho, subcell);
+        let [x, y, z] = parent.place.map(|p| p * i32::from(rho));
+        let node = parent.first_child + order::rank(&parent.mask, subcell);
+        let place = [x + i, y + j, z + k];
+        self.shading.meet_below(self.grid, level + 1, node, place);
     }
 
     /// Whether a cell of `level` that reaches these pixels is behind what is drawn.
@@ -343,6 +364,12 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
     /// The eye's slab among the subcells of a cell at `place`, if the order matters.
     #[inline(always)]
     fn eye_slab(&self, children: &LevelView, place: [i32; 3], rho: i32) -> [i32; 3] {
+        if S::MEETS {
+            return self
+                .shading
+                .higher()
+                .map(|higher| if higher { rho } else { -1 });
+        }
         if !V::FRONT_TO_BACK {
             return [0; 3];
         }
@@ -395,9 +422,12 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
                 half_y: half.y,
             };
             let Some(rect) = self.clip(F::reach(bounds, overhang)) else {
+                if S::MEETS {
+                    self.meet_below(open, level, subcell);
+                }
                 continue;
             };
-            if self.is_behind(rect, centre, level + 1) {
+            if !S::MEETS && self.is_behind(rect, centre, level + 1) {
                 continue;
             }
             let node = open.first_child + order::rank(&open.mask, subcell);
@@ -555,12 +585,16 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
                     let at = from.plus(slabs.along::<0>(i));
                     let subcell = (subcells + i) as u8;
                     let word = || grid.attribute(parent.first + order::rank(&parent.mask, subcell));
-                    let colour = |word: u32| match light {
-                        None => shading.colour(word),
-                        Some((place, displacements)) => {
-                            let d = displacements.get(usize::from(subcell)).copied();
-                            shading.colour_at(word, place.wrapping_add(d.unwrap_or(0)))
-                        }
+                    let place = |(place, displacements): (u32, &[u32])| {
+                        let d = displacements.get(usize::from(subcell)).copied();
+                        place.wrapping_add(d.unwrap_or(0))
+                    };
+                    let met = light.filter(|_| S::MEETS).map(place);
+                    let met = met.map(|place| shading.meet(word(), place));
+                    let colour = |word: u32| match (met, light) {
+                        (Some(met), _) => met,
+                        (None, None) => shading.colour(word),
+                        (None, Some(light)) => shading.colour_at(word, place(light)),
                     };
                     if F::DISCS {
                         self.disc(stencil, at, parent.w, word, colour);
@@ -664,14 +698,17 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             half_x,
             half_y,
         } = cell.bounds;
+        let light = shading.light();
+        let place = |light: &ShadowView| light.place(level, cell.place);
+        let met = light.filter(|_| S::MEETS);
+        let met = met.map(|light| shading.meet(grid.attribute(node), place(light)));
         if let Some(rect) = self.clip(F::of::<8>(half_x, half_y).cover::<8>(x, y)) {
-            self.target.draw(rect, cell.centre.w, || {
-                let word = grid.attribute(node);
-                match shading.light() {
-                    None => shading.colour(word),
-                    Some(light) => shading.colour_at(word, light.place(level, cell.place)),
-                }
-            });
+            self.target
+                .draw(rect, cell.centre.w, || match (met, light) {
+                    (Some(met), _) => met,
+                    (None, None) => shading.colour(grid.attribute(node)),
+                    (None, Some(light)) => shading.colour_at(grid.attribute(node), place(light)),
+                });
         }
     }
 

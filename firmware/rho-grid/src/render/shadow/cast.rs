@@ -32,20 +32,17 @@ impl<'a> Caster<'a> {
         instance: &Instance,
         light: &LightSpace,
         size: MapSize,
-        splat: LightSplat,
+        wanted: LightSplat,
     ) -> Option<Self> {
         let object = blob.object(instance.object)?;
-        let wanted = splat.texels();
+        let wanted = wanted.texels();
         let levels = blob.grids_of(&object).flat_map(|grid| {
             let levels = grid.first_sampled().max(1)..=grid.subdivisions();
             levels.map(move |level| (grid, level))
         });
         let casters = levels.map(|(grid, level)| {
             let cells = grid.cells(level);
-            // An eighth of a texel more opens no gap: samples are means over several cells.
-            let side = texels(light, size, instance, cells)
-                .saturating_sub(32)
-                .div_ceil(256);
+            let side = splat(light, size, instance, cells);
             let fits = side <= wanted;
             let splat = side.clamp(wanted, LightSplat::LARGEST) as usize;
             let order = (!fits, if fits { cells } else { u32::MAX - cells });
@@ -109,4 +106,11 @@ impl<'a> Caster<'a> {
             false
         });
     }
+}
+
+/// The side in texels of a splat as large as a cell of an instance's grid of so many cells an axis.
+pub(super) fn splat(light: &LightSpace, size: MapSize, instance: &Instance, cells: u32) -> u32 {
+    // An eighth of a texel more opens no gap: samples are means over several cells.
+    let side = texels(light, size, instance, cells).saturating_sub(32);
+    side.div_ceil(256)
 }

@@ -73,18 +73,25 @@ impl Open {
 }
 
 /// Visits the cells of `grid`: a cell, and when `enter` says so its subcells.
-pub(super) fn walk(grid: &Grid<'_>, mut enter: impl FnMut(Cell) -> bool) {
-    let mut stack = [Open::NONE; MAX_SUBDIVISIONS];
-    let mut cell = Cell {
+pub(super) fn walk(grid: &Grid<'_>, enter: impl FnMut(Cell) -> bool) {
+    let root = Cell {
         level: 0,
         node: 0,
         place: [0; 3],
     };
-    // The cells that are open, those of each level at its number.
+    walk_from(root, grid, enter);
+}
+
+/// The same from a cell on.
+pub(super) fn walk_from(from: Cell, grid: &Grid<'_>, mut enter: impl FnMut(Cell) -> bool) {
+    let mut stack = [Open::NONE; MAX_SUBDIVISIONS];
+    let mut cell = from;
+    // The cells that are open, those of each level at its number less the first one's.
     let mut open = 0;
     loop {
         if enter(cell)
-            && let (Some(nodes), Some(slot)) = (grid.levels().get(open), stack.get_mut(open))
+            && let (Some(nodes), Some(slot)) =
+                (grid.levels().get(from.level + open), stack.get_mut(open))
         {
             *slot = Open {
                 subcells: Subcells::of(nodes.mask_any(cell.node)),
@@ -107,7 +114,7 @@ pub(super) fn walk(grid: &Grid<'_>, mut enter: impl FnMut(Cell) -> bool) {
             let [i, j, k] = order::place(slot.rho, subcell as u8);
             let [x, y, z] = slot.place;
             break Cell {
-                level: open,
+                level: from.level + open,
                 node,
                 place: [x + i, y + j, z + k],
             };

@@ -36,10 +36,10 @@ const FEW: u32 = 128;
 const NOTHING: (i32, i32) = (1 << 17, -(1 << 17));
 
 impl LightSpace {
-    /// No light.
+    /// No light; all zeros, so that a static costs no flash.
     pub(super) const NONE: Self = Self {
         axes: [[0; 3]; 3],
-        bounds: [NOTHING; 3],
+        bounds: [(0, 0); 3],
     };
 
     /// A light towards `towards`, a unit vector in the scene's axes, that shines on nothing yet.
@@ -91,6 +91,12 @@ impl LightSpace {
             // Q44 to Q16.
             centre: axes.map(|[u, v, w]| ((tx * u + ty * v + tz * w) >> 28) as i32),
         }
+    }
+
+    /// Along each axis of an instance's cube, whether higher cells are nearer to the light.
+    pub(super) fn higher(&self, instance: &Instance) -> [bool; 3] {
+        let [_, _, away] = self.local(instance).axes;
+        away.map(|c| c < 0)
     }
 
     /// Widens the bounds so that they hold the cells of an instance's `grid`.

@@ -30,6 +30,15 @@ impl<'a> ShadowMap<'a> {
         Some(map)
     }
 
+    /// The same map for a while.
+    #[must_use]
+    pub fn lend(&mut self) -> ShadowMap<'_> {
+        ShadowMap {
+            texels: self.texels,
+            size: self.size,
+        }
+    }
+
     /// The depths of the rows of texels after each other, 0 to 1023, 65535 for none.
     #[must_use]
     pub fn texels(&self) -> &[u16] {

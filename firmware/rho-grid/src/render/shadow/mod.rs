@@ -21,6 +21,7 @@ mod cells;
 mod light;
 mod map;
 mod moved;
+mod one_pass;
 #[cfg(rho_thumb)]
 mod thumb;
 mod view;
@@ -29,7 +30,10 @@ pub use cast::Caster;
 pub use light::LightSpace;
 pub use map::ShadowMap;
 pub use moved::Bias;
+pub use one_pass::OnePass;
 pub use view::ShadowView;
+
+use core::cell::Cell;
 
 use crate::blob::{Blob, Grid, Instance};
 use crate::mode::{LightSplat, MapSize};
@@ -42,6 +46,9 @@ pub struct Shadows {
     light: LightSpace,
     looked_up: ShadowView,
     cast: ShadowView,
+    /// Of one pass.
+    splat: usize,
+    higher: [bool; 3],
 }
 
 impl Shadows {
@@ -52,6 +59,20 @@ impl Shadows {
             light: LightSpace::NONE,
             looked_up: ShadowView::empty(),
             cast: ShadowView::empty(),
+            splat: 1,
+            higher: [false; 3],
+        }
+    }
+
+    /// Takes the bounds of what a light towards `towards` shines on.
+    pub fn fit(&mut self, blob: &Blob<'_>, towards: [Unit; 3]) {
+        self.light = LightSpace::towards(towards);
+        for instance in instances(blob) {
+            let object = blob.object(instance.object);
+            let grid = object.and_then(|object| blob.grids_of(&object).next());
+            if let Some(grid) = grid {
+                self.light.hold(&instance, &grid);
+            }
         }
     }
 
@@ -64,17 +85,9 @@ impl Shadows {
         splat: LightSplat,
         map: &mut ShadowMap<'_>,
     ) {
-        self.light = LightSpace::towards(towards);
+        self.fit(blob, towards);
         let size = map.size();
-        let instances = || (0..blob.instance_count()).filter_map(|index| blob.instance(index));
-        for instance in instances() {
-            let object = blob.object(instance.object);
-            let grid = object.and_then(|object| blob.grids_of(&object).next());
-            if let Some(grid) = grid {
-                self.light.hold(&instance, &grid);
-            }
-        }
-        for instance in instances() {
+        for instance in instances(blob) {
             let Some(caster) = Caster::of(blob, &instance, &self.light, size, splat) else {
                 continue;
             };
@@ -91,6 +104,37 @@ impl Shadows {
         view.prepare(light, size, instance, leaves, Bias::LOOKED_UP);
     }
 
+    /// The same for drawing it in one pass, which lays splats of that size or as large as its leaves.
+    pub fn see_in_order(
+        &mut self,
+        instance: &Instance,
+        grid: &Grid<'_>,
+        size: MapSize,
+        splat: LightSplat,
+    ) {
+        self.see(instance, grid, size);
+        let leaves = grid.subdivisions();
+        let side = cast::splat(&self.light, size, instance, grid.cells(leaves));
+        self.splat = side.clamp(splat.texels(), LightSplat::LARGEST) as usize;
+        self.higher = self.light.higher(instance);
+        let bias = Bias::splat(self.splat);
+        self.cast
+            .prepare(&self.light, size, instance, (grid, leaves), bias);
+    }
+
+    /// How its samples look, drawn in one pass as `shade` has them, with a map that was cleared.
+    #[must_use]
+    pub fn in_order<'a, S>(&'a self, shade: &'a S, map: ShadowMap<'a>) -> OnePass<'a, S> {
+        OnePass {
+            shade,
+            looked_up: &self.looked_up,
+            cast: &self.cast,
+            splat: self.splat,
+            higher: self.higher,
+            map: Cell::new(Some(map)),
+        }
+    }
+
     /// How the samples of that instance look, drawn as `shade` has them, but where `map` has something
     /// before them.
     #[must_use]
@@ -101,6 +145,10 @@ impl Shadows {
             map,
         }
     }
+}
+
+fn instances(blob: &Blob<'_>) -> impl Iterator<Item = Instance> {
+    (0..blob.instance_count()).filter_map(|index| blob.instance(index))
 }
 
 /// What the loops in assembly look up: the tables of [`Shadowed`].
