@@ -706,6 +706,7 @@ mod tests {
                     normal: glam::Vec3::Y,
                     offset: 0.0,
                     colour: [20 * i as u8, 0, 0],
+                    mean: [20 * i as u8, 0, 0],
                 })
                 .collect();
             tree

@@ -19,10 +19,64 @@ pub struct Contents {
     pub bytes_per_leaf: f64,
     /// One a grid.
     pub grids: Vec<GridContents>,
-    /// 1 to 8.
+    /// 1 to 8, of a scene up to 32.
     pub materials: Vec<MaterialContents>,
+    /// What stands where; none of a blob that does not say.
+    pub scene: Option<SceneContents>,
     /// Where the blob comes from: what it says of itself.
     pub origin: BTreeMap<String, String>,
+}
+
+/// What stands where.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SceneContents {
+    /// The grids that are the same thing.
+    pub objects: Vec<ObjectContents>,
+    /// How many objects stand in the scene.
+    pub instances: usize,
+    /// How many lights.
+    pub lights: usize,
+    /// Whether one of them casts shadows.
+    pub shadows: bool,
+    /// Whether the blob has a camera.
+    pub camera: bool,
+    /// RGB565.
+    pub background: u16,
+}
+
+/// An object of a scene.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ObjectContents {
+    /// Its grids' numbers.
+    pub grids: Vec<u16>,
+    /// How often it stands in the scene.
+    pub instances: usize,
+    /// The blob's materials that its samples may name.
+    pub materials: Vec<u16>,
+}
+
+impl SceneContents {
+    fn of(blob: &Blob<'_>) -> Option<Self> {
+        let instances: Vec<_> = (0..blob.instance_count())
+            .filter_map(|i| blob.instance(i))
+            .collect();
+        let objects = (0..).zip(blob.objects());
+        let objects = objects.map(|(number, object)| ObjectContents {
+            grids: (object.first_grid..).take(object.grids.into()).collect(),
+            instances: instances.iter().filter(|i| i.object == number).count(),
+            materials: (object.first_material..)
+                .take(object.materials.into())
+                .collect(),
+        });
+        blob.is_scene().then(|| Self {
+            objects: objects.collect(),
+            instances: instances.len(),
+            lights: blob.lights().len(),
+            shadows: blob.lights().any(|light| light.casts_shadows),
+            camera: blob.camera().is_some(),
+            background: blob.background(),
+        })
+    }
 }
 
 /// What is in one grid.
@@ -108,6 +162,7 @@ impl Contents {
             bytes_per_leaf: total as f64 / leaf_samples as f64,
             grids,
             materials: blob.materials().map(MaterialContents::from).collect(),
+            scene: SceneContents::of(blob),
             origin: blob
                 .origin()
                 .lines()
@@ -206,6 +261,10 @@ pub fn section_name(kind: u16) -> String {
         kind::CHILDREN => "children",
         kind::ATTRIBUTES => "attributes",
         kind::MATERIALS => "materials",
+        kind::OBJECTS => "objects",
+        kind::INSTANCES => "instances",
+        kind::LIGHTS => "lights",
+        kind::CAMERA => "camera",
         kind::ORIGIN => "origin",
         other => return format!("section_{other:04x}"),
     }

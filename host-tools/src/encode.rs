@@ -340,7 +340,7 @@ fn attributes(tree: &Tree, layout: Layout, palette: &Palette) -> Vec<u8> {
         let colour = if layout.colour == 0 {
             0
         } else {
-            rgb565(sample.colour).into()
+            rgb565(sample.mean).into()
         };
         layout.pack(normal, offset, material, colour)
     };

@@ -264,7 +264,7 @@ impl<'a> Stage<'a> {
             let quarters = quarters.filter(|_| self.mode.frame == FrameMode::Quarters);
             let seen = quarters.as_ref().unwrap_or(&placed.camera);
             self.tables
-                .prepare(seen, &placed.grid, self.mode.cell_size)
+                .prepare(seen, &placed.grid, placed.mode.cell_size)
                 .map_err(|e| Failure::input(e.to_string()))?;
             if let Some((tables, map)) = &mut self.shadows {
                 let (instance, grid, size) = (&placed.instance, &placed.grid, map.size());

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicU64;
 
 use glam::DVec3;
 use host_tools::blob_file::BlobFile;
-use host_tools::encode::{Encoding, encode_all};
+use host_tools::encode::{Encoding, ObjectEncoding, SceneEncoding, encode_all, encode_scene};
 use host_tools::geometry::triangles::Triangles;
 use host_tools::mesh::Mesh;
 use host_tools::palette::Palette;
@@ -13,9 +13,9 @@ use host_tools::render::render;
 use host_tools::sampling::{Sampling, Separation, Tree};
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use proptest::prelude::*;
-use rho_grid::blob::{Blob, BlobError, Layout};
+use rho_grid::blob::{Blob, BlobError, Instance, Layout, Light, Material};
 use rho_grid::mode::Mode;
-use rho_grid::q::PixelSize;
+use rho_grid::q::{PixelSize, Place, Rotation, Scale, Unit};
 
 /// Four faces in three colours, off centre, so that no two axes are alike.
 fn tetrahedron() -> Mesh {
@@ -74,6 +74,139 @@ fn two_grids() -> Vec<u8> {
     blob("2,3 4", Separation::Six, Layout::OFFSET_THIN)
 }
 
+/// Two objects, the first in two grids, three instances, two lights and a camera.
+fn scene() -> Vec<u8> {
+    let object = |trees: Vec<Tree>, layout, first_material, materials| ObjectEncoding {
+        trees,
+        layout,
+        palette: Palette::of(std::iter::empty()),
+        first_material,
+        materials,
+        bounds: [DVec3::splat(-0.5), DVec3::new(0.5, 0.25, 0.125)],
+    };
+    let objects = [
+        object(
+            vec![tree("2,3", Separation::Six), tree("4", Separation::Six)],
+            Layout::OFFSET_THIN,
+            0,
+            1,
+        ),
+        object(vec![tree("3", Separation::Six)], Layout::BOTH_THIN, 1, 1),
+    ];
+    let quarter = [[0, 0, 1 << 30], [0, 1 << 30, 0], [-(1 << 30), 0, 0]];
+    let turned = Instance {
+        object: 1,
+        material: Some(2),
+        rotation: quarter.map(|row| row.map(Rotation::from_bits)),
+        scale: Scale::from_num(0.5),
+        translation: [0.25, 0.0, -0.5].map(Place::from_num),
+    };
+    let own = Instance {
+        object: 1,
+        ..Instance::AS_IS
+    };
+    let material = |level: u16| Material {
+        ambient: [level; 3],
+        diffuse: [2 * level; 3],
+        specular: [100; 3],
+        exponent: 9,
+    };
+    encode_scene(&SceneEncoding {
+        objects: &objects,
+        materials: [1000, 2000, 3000].map(material).to_vec(),
+        instances: vec![Instance::AS_IS, turned, own],
+        lights: vec![
+            Light {
+                casts_shadows: true,
+                ..Light::white([Unit::ZERO, Unit::ONE, Unit::ZERO])
+            },
+            Light {
+                towards: [Unit::ZERO, Unit::ZERO, -Unit::ONE],
+                colour: [1 << 15, 0, 1 << 14],
+                casts_shadows: false,
+            },
+        ],
+        camera: View::from(StandardView::NearTurned).camera().unwrap(),
+        background: 0x1234,
+        origin: "generator=test\n".to_owned(),
+    })
+}
+
+#[test]
+fn what_stands_where_reads_back() {
+    let bytes = scene();
+    let file = BlobFile::from_bytes(&bytes, "scene");
+    let blob = file.blob().unwrap();
+    assert!(blob.is_scene() && assemble(&sections(&bytes)) == bytes);
+    let grids: Vec<_> = blob.objects().map(|o| (o.first_grid, o.grids)).collect();
+    assert_eq!(grids, [(0, 2), (2, 1)]);
+    assert_eq!(blob.instance_count(), 3);
+    assert_eq!(blob.instance(0), Some(Instance::AS_IS));
+    let turned = blob.instance(1).unwrap();
+    assert_eq!((turned.object, turned.material), (1, Some(2)));
+    assert_eq!(turned.scale, Scale::from_num(0.5));
+    assert_eq!(blob.materials_of(&turned), Some((2, 1)));
+    assert_eq!(blob.lights().filter(|light| light.casts_shadows).count(), 1);
+    let camera = View::from(StandardView::NearTurned).camera().unwrap();
+    assert_eq!((blob.camera(), blob.background()), (Some(camera), 0x1234));
+}
+
+/// A scene's sections with the bytes of one of them changed.
+fn with_bytes(kind: u16, at: usize, bytes: &[u8]) -> Result<(), BlobError> {
+    let mut all = sections(&scene());
+    let section = all.iter_mut().find(|s| s.0 == kind).unwrap();
+    section.2[at..at + bytes.len()].copy_from_slice(bytes);
+    parse(&assemble(&all))
+}
+
+#[test]
+fn what_cannot_stand_anywhere_is_refused_by_its_number() {
+    let object = |object| Err(BlobError::Object { object });
+    let instance = |instance| Err(BlobError::Instance { instance });
+    let light = |light| Err(BlobError::Light { light });
+    for (kind, at, bytes, expected) in [
+        // Objects: no grids, grids and materials that are not there, a box inside out.
+        (6, 2, &[0, 0][..], object(0)),
+        (6, 20, &[3, 0], object(1)),
+        (6, 4, &[3, 0], object(0)),
+        (6, 6, &[9, 0], object(0)),
+        (6, 8, &[0, 0x7F], object(0)),
+        // Instances: an object and a material that are not there, no rotation, no scale.
+        (7, 0, &[2, 0], instance(0)),
+        (7, 58, &[3, 0], instance(1)),
+        (7, 60, &[1, 0, 0, 64], instance(1)),
+        (7, 40, &[0; 4], instance(0)),
+        (7, 40, &[0, 0, 0, 0xFF], instance(0)),
+        // Lights: no length, two that cast shadows, brighter than white.
+        (8, 2, &[0, 0], light(0)),
+        (8, 22, &[1, 0], light(1)),
+        (8, 24, &[1, 0x80], light(1)),
+        // Camera: no focal length, no width.
+        (9, 48, &[0; 4], Err(BlobError::Camera)),
+        (9, 52, &[0, 0], Err(BlobError::Camera)),
+    ] {
+        assert_eq!(with_bytes(kind, at, bytes), expected, "{kind} {at}");
+    }
+    // Sections of other lengths, and one of a pair alone.
+    for kind in [6, 7, 8, 9] {
+        let mut all = sections(&scene());
+        let section = all.iter_mut().find(|s| s.0 == kind).unwrap();
+        section.2.pop();
+        assert_eq!(parse(&assemble(&all)), Err(BlobError::Section { kind }));
+    }
+    for (kind, other) in [(6, 7), (7, 6)] {
+        let mut all = sections(&scene());
+        all.retain(|s| s.0 != kind);
+        let found = parse(&assemble(&all));
+        assert!(found.is_err(), "{kind} {other}");
+    }
+    for kind in [8, 9] {
+        let mut all = sections(&scene());
+        all.retain(|s| s.0 != kind);
+        assert_eq!(parse(&assemble(&all)), Ok(()));
+    }
+}
+
 /// What parsing says; the bytes are copied to an aligned place.
 fn parse(bytes: &[u8]) -> Result<(), BlobError> {
     let file = BlobFile::from_bytes(bytes, "test");
@@ -85,7 +218,7 @@ fn parse(bytes: &[u8]) -> Result<(), BlobError> {
 #[test]
 fn the_bytes_are_those_of_version_1() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
-    let mut blobs = vec![("2-3-leaves-thin", leaves_alone())];
+    let mut blobs = vec![("2-3-leaves-thin", leaves_alone()), ("scene", scene())];
     for (name, sequence, separation, layout) in [
         ("3-3", "3,3", Separation::TwentySix, Layout::MATERIAL),
         ("2-3", "2,3", Separation::TwentySix, Layout::MATERIAL),
@@ -134,14 +267,15 @@ fn the_header_is_as_the_specification_says() {
 
 #[test]
 fn a_blob_cut_anywhere_is_called_truncated() {
-    let bytes = small();
     assert_eq!(parse(&[]), Err(BlobError::Missing));
-    for length in 1..bytes.len() {
-        let found = parse(&bytes[..length]);
-        assert!(
-            matches!(found, Err(BlobError::Truncated { .. })),
-            "{length}: {found:?}"
-        );
+    for bytes in [small(), scene()] {
+        for length in 1..bytes.len() {
+            let found = parse(&bytes[..length]);
+            assert!(
+                matches!(found, Err(BlobError::Truncated { .. })),
+                "{length}: {found:?}"
+            );
+        }
     }
 }
 
@@ -161,15 +295,16 @@ fn a_blob_whose_tail_was_never_copied_is_called_truncated() {
 
 #[test]
 fn no_byte_can_change_unseen() {
-    let mut bytes = small();
-    for at in 0..bytes.len() {
-        for flip in [0x01, 0x80, 0xFF] {
-            bytes[at] ^= flip;
-            assert!(parse(&bytes).is_err(), "byte {at} ^ {flip:02x}");
-            bytes[at] ^= flip;
+    for mut bytes in [small(), scene()] {
+        for at in 0..bytes.len() {
+            for flip in [0x01, 0x80, 0xFF] {
+                bytes[at] ^= flip;
+                assert!(parse(&bytes).is_err(), "byte {at} ^ {flip:02x}");
+                bytes[at] ^= flip;
+            }
         }
+        assert_eq!(parse(&bytes), Ok(()));
     }
-    assert_eq!(parse(&bytes), Ok(()));
 }
 
 /// A section: kind, grid, contents.

@@ -199,14 +199,14 @@ impl Preset {
 /// The number, among `grids`, of the coarsest that has as many cells an axis, else of the finest; 0
 /// when there are none.
 ///
-/// Fine enough is also what has as many leaves as a surface would have with two and a half a square of
+/// Fine enough is also what has as many leaves as a surface would have with two a square of
 /// the cells wanted: foliage fills its cube, and a finer grid of it would only draw more samples into
 /// the same pixels.
 #[must_use]
 pub fn choose<'a>(grids: impl Iterator<Item = Grid<'a>>, cells: u32) -> u16 {
     let fitting = |grid: &Grid<'_>| {
         let here = grid.cells(grid.subdivisions());
-        let dense = 2 * u64::from(grid.leaf_samples()) >= 5 * u64::from(cells).pow(2);
+        let dense = u64::from(grid.leaf_samples()) >= 2 * u64::from(cells).pow(2);
         // The coarsest that is fine enough, else the finest.
         let fine = here >= cells || dense;
         (!fine, if fine { here } else { u32::MAX - here })

@@ -212,7 +212,7 @@ pub(crate) fn place<'g, C: Counter>(
                 FrameMode::Quarters => placed.camera.in_quarters().ok_or(ModelError::TooLarge)?,
                 FrameMode::Tones | FrameMode::Words => placed.camera,
             };
-            view.prepare(&seen, &placed.grid, scene.mode.cell_size)
+            view.prepare(&seen, &placed.grid, placed.mode.cell_size)
                 .map_err(ModelError::View)?;
         }
         Ok(placed)

@@ -70,6 +70,36 @@ fn print(contents: &Contents) {
             println!("{cells:>18}  {:>12}{bare}", thousands(*nodes));
         }
     }
+    if let Some(scene) = &contents.scene {
+        for (index, object) in scene.objects.iter().enumerate() {
+            let ends = |all: &[u16]| match all {
+                [only] => only.to_string(),
+                [first, .., last] => format!("{first} to {last}"),
+                [] => String::new(),
+            };
+            println!(
+                "object {index:<5} grids {}, materials {}, {} instances",
+                ends(&object.grids),
+                ends(&object.materials),
+                object.instances
+            );
+        }
+        println!(
+            "scene        {} instances, {} lights{}, {}",
+            scene.instances,
+            scene.lights,
+            if scene.shadows {
+                ", one casts shadows"
+            } else {
+                ""
+            },
+            if scene.camera {
+                "a camera"
+            } else {
+                "no camera"
+            }
+        );
+    }
     println!("nodes        {}", thousands(contents.nodes));
     println!("leaf samples {}", thousands(contents.leaf_samples));
     println!("materials    {}", contents.materials.len());

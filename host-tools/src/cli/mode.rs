@@ -212,6 +212,7 @@ mod tests {
             normal: glam::Vec3::Y,
             offset: 0.0,
             colour: [255; 3],
+            mean: [255; 3],
         };
         let level = |masks: &[u128]| TreeLevel {
             samples: vec![sample],

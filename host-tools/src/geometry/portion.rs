@@ -23,6 +23,8 @@ pub struct Portion {
     pub largest: f32,
     /// sRGB, that of the largest piece.
     pub colour: [u8; 3],
+    /// The mean of the colours times `area`.
+    pub tint: Vec3,
 }
 
 impl Portion {
@@ -35,6 +37,7 @@ impl Portion {
             normal: area * sample.normal.as_vec3(),
             largest: area,
             colour: sample.colour,
+            tint: area * Vec3::from_array(sample.colour.map(f32::from)),
         }
     }
 
@@ -58,6 +61,7 @@ impl Portion {
             normal: self.normal + other.normal,
             largest,
             colour,
+            tint: self.tint + other.tint,
         }
     }
 
@@ -69,6 +73,7 @@ impl Portion {
             moment: weight * self.moment,
             normal: weight * self.normal,
             largest: weight * self.largest,
+            tint: weight * self.tint,
             ..self
         }
     }
@@ -155,6 +160,7 @@ mod tests {
             normal: area * normal,
             largest: area,
             colour: WHITE,
+            tint: area * Vec3::splat(255.0),
         }
     }
 

@@ -208,5 +208,8 @@ fn sample(own: &Portion, all: Portion) -> TreeSample {
         normal,
         offset: all.moment.dot(normal) / all.area,
         colour: own.colour,
+        mean: (all.tint / all.area)
+            .to_array()
+            .map(|c| c.round().clamp(0.0, 255.0) as u8),
     }
 }

@@ -105,6 +105,8 @@ pub struct TreeSample {
     pub offset: f32,
     /// sRGB, that of the largest piece in the cell.
     pub colour: [u8; 3],
+    /// sRGB, the mean of the surface round the cell.
+    pub mean: [u8; 3],
 }
 
 /// One level of a [`Tree`], breadth first.

@@ -215,7 +215,9 @@ impl Part {
                     continue;
                 };
                 for preset in Preset::ALL {
-                    let cells = preset.cells(&seen);
+                    // What reaches from near to far is wanted finer than its middle asks for.
+                    let finer = if place.scale > 0.5 { 3 } else { 2 };
+                    let cells = preset.cells(&seen) * finer / 2;
                     let fine = ladder.iter().position(|s| s.cells() >= cells);
                     wanted.insert(fine.unwrap_or(ladder.len() - 1));
                 }
@@ -279,7 +281,7 @@ fn sample(
             for sequence in sequences {
                 // Finer ones would never be chosen (`rho_grid::mode::choose`).
                 let most = sequences.iter().map(Sequence::cells).max().unwrap_or(0);
-                let dense = |tree: &Tree| 2 * tree.leaves() as u64 >= 5 * u64::from(most).pow(2);
+                let dense = |tree: &Tree| tree.leaves() as u64 >= 2 * u64::from(most).pow(2);
                 if is_standard && part.sequence.is_none() && trees.last().is_some_and(dense) {
                     break;
                 }

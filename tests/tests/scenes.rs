@@ -1,0 +1,217 @@
+//! Scenes: the same bits on host and device in every mode, and objects that hide each other.
+
+use std::fs;
+
+use host_tools::bake::{BakeOptions, GridChoice, LayoutChoice, Progress, bake};
+use host_tools::blob_file::BlobFile;
+use host_tools::device::Run;
+use host_tools::picture::rgb888;
+use host_tools::render::{Drawn, render_from};
+use host_tools::scene::Scene as File;
+use host_tools::scene::bake::bake as bake_scene;
+use host_tools::view::{StandardView, View};
+use rho_grid::camera::Camera;
+use rho_grid::mode::{FootprintMode, FrameMode, Mode, Preset, VisibilityMode};
+use rho_tests::firmware::ask;
+use rho_tests::snapshot;
+use rho_viewer::request::{Request, Scene};
+
+/// A ball through a ring, a coloured pot turned on its side, and a slab far behind; two lights, one of
+/// them coloured, on a ground.
+const SCENE: &str = r##"
+background = "#204060"
+[camera]
+yaw = 25
+pitch = 20
+distance = 1.5
+[[light]]
+direction = [0.5, 0.8, 0.55]
+[[light]]
+direction = [-1, 0.3, 0.2]
+colour = "#602010"
+[[material]]
+name = "floor"
+diffuse = "#708050"
+[[material]]
+name = "gold"
+diffuse = "#b08030"
+phong = "#808080"
+exponent = 20
+[ground]
+size = 3
+material = "floor"
+[[object]]
+source = "shapes"
+material = "gold"
+stand = true
+scale = 0.8
+translation = [-0.5, 0, 0.4]
+parameters = { parts = [{ shape = { torus = { ring = 0.5, tube = 0.1 } } }] }
+rotation = [0, 30, 0]
+[[object]]
+source = "shapes"
+material = "gold"
+scale = 0.5
+translation = [-0.5, 0.1, 0.4]
+parameters = { parts = [{ shape = { sphere = { radius = 0.4 } } }] }
+[[object]]
+source = "teapot"
+translation = [0.6, 0.3, 0.1]
+rotation = [0, 40, 60]
+scale = 0.7
+"##;
+
+fn baked(text: &str, options: &BakeOptions) -> BlobFile {
+    let scene = File::parse(text, "test.toml", &[]).unwrap();
+    let baked = bake_scene(&scene, "test.toml", options, &Progress::default()).unwrap();
+    BlobFile::from_bytes(&baked.bytes, "test.rho")
+}
+
+fn standard() -> BakeOptions {
+    BakeOptions {
+        grid: GridChoice::Standard(None),
+        ..BakeOptions::default()
+    }
+}
+
+fn cameras(blob: &BlobFile) -> Vec<Camera> {
+    let own = blob.blob().unwrap().camera().unwrap();
+    let inside = View {
+        distance: 0.25,
+        pitch: 10.0,
+        ..StandardView::Near.into()
+    };
+    let views = [
+        StandardView::Near.into(),
+        StandardView::FarTurned.into(),
+        inside,
+    ];
+    let cameras = views.map(|view: View| view.camera().unwrap());
+    [own].into_iter().chain(cameras).collect()
+}
+
+fn modes(blob: &BlobFile, camera: &Camera) -> Vec<Mode> {
+    let blob = blob.blob().unwrap();
+    let mut modes: Vec<Mode> = Preset::ALL.iter().map(|p| p.mode(&blob, camera)).collect();
+    let fast = Preset::Fast.mode(&blob, camera);
+    for (visibility, frame) in [
+        (VisibilityMode::Eye, FrameMode::Words),
+        (VisibilityMode::Z, FrameMode::Words),
+    ] {
+        for footprint in [FootprintMode::Disc, FootprintMode::Box] {
+            modes.push(Mode {
+                visibility,
+                frame,
+                footprint,
+                ..fast
+            });
+        }
+    }
+    modes
+}
+
+fn drawn(blob: &BlobFile, camera: &Camera, mode: Mode) -> Drawn {
+    let blob = blob.blob().unwrap();
+    let light = blob.lights().next().unwrap().towards;
+    render_from(&blob, camera, light, mode).unwrap()
+}
+
+#[test]
+fn host_and_device_draw_the_same_bits_of_a_scene_in_every_mode() {
+    let blob = baked(SCENE, &standard());
+    let light = blob.blob().unwrap().lights().next().unwrap().towards;
+    for camera in cameras(&blob) {
+        for mode in modes(&blob, &camera) {
+            let request = Request::Model(Scene {
+                camera,
+                light,
+                mode,
+            });
+            let run = ask(&request.line(), Some(blob.bytes()))
+                .and_then(Run::done)
+                .unwrap();
+            assert!(
+                run.words == drawn(&blob, &camera, mode).words,
+                "{mode:?} {camera:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_scene_is_as_its_snapshot_shows_it() {
+    let blob = baked(SCENE, &standard());
+    let camera = blob.blob().unwrap().camera().unwrap();
+    let mode = Preset::Balanced.mode(&blob.blob().unwrap(), &camera);
+    snapshot::check("scene", &drawn(&blob, &camera, mode).words, camera.width);
+}
+
+/// Whether a channel differs by more than a tenth of white.
+fn is_seen(a: u16, b: u16) -> bool {
+    let channels = rgb888(a).into_iter().zip(rgb888(b));
+    channels.into_iter().any(|(a, b)| a.abs_diff(b) > 25)
+}
+
+/// Objects come from front to back by planes between them, and those that reach into each other
+/// against depths; the depth buffer has all against depths. They may differ along edges, where one
+/// footprint overhangs another's cell.
+#[test]
+fn eye_order_and_the_depth_buffer_show_the_same_objects_in_front() {
+    let blob = baked(SCENE, &standard());
+    for camera in cameras(&blob) {
+        let fast = Preset::Fine.mode(&blob.blob().unwrap(), &camera);
+        let of = |visibility| {
+            let mode = Mode {
+                visibility,
+                frame: FrameMode::Words,
+                ..fast
+            };
+            drawn(&blob, &camera, mode).words
+        };
+        let pairs = || {
+            of(VisibilityMode::Eye)
+                .into_iter()
+                .zip(of(VisibilityMode::Z))
+        };
+        let seen = pairs().filter(|(eye, z)| is_seen(*eye, *z)).count();
+        let all = pairs().count();
+        println!("{seen} of {all}");
+        assert!(seen * 50 < all, "{seen} of {all}: {camera:?}");
+    }
+}
+
+#[test]
+fn a_coloured_model_with_a_colour_a_sample_is_drawn_in_its_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    // Red below, blue above.
+    let model = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+                 property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+                 element face 2\nproperty list uchar int vertex_indices\nend_header\n\
+                 -1 -1 0 255 0 0\n1 -1 0 255 0 0\n1 1 0 0 0 255\n-1 1 0 0 0 255\n\
+                 3 0 1 2\n3 0 2 3\n";
+    fs::write(folder.path().join("two.ply"), model).unwrap();
+    let options = BakeOptions {
+        layout: LayoutChoice::Colour,
+        models: Some(folder.path().to_owned()),
+        ..BakeOptions::default()
+    };
+    let baked = bake("two.ply", &options, &Progress::default()).unwrap();
+    let blob = BlobFile::from_bytes(&baked.bytes, "two.rho");
+    let camera = View::from(StandardView::Near).camera().unwrap();
+    for (frame, footprint) in [
+        (FrameMode::Words, FootprintMode::Disc),
+        (FrameMode::Words, FootprintMode::Box),
+    ] {
+        let mode = Mode {
+            frame,
+            footprint,
+            ..Mode::default()
+        };
+        let light = host_tools::render::light(host_tools::view::STANDARD_LIGHT);
+        let drawn = render_from(&blob.blob().unwrap(), &camera, light, mode).unwrap();
+        let at = |y: usize| rgb888(drawn.words[y * 240 + 120]);
+        let ([r, _, b], [upper_r, _, upper_b]) = (at(250), at(70));
+        assert!(r > 100 && b < 60, "{r} {b}");
+        assert!(upper_b > 100 && upper_r < 60, "{upper_r} {upper_b}");
+    }
+}
