@@ -5,7 +5,7 @@ use core::fmt;
 use rho_grid::blob::format::MAX_MATERIALS;
 use rho_grid::blob::{Blob, BlobError};
 use rho_grid::frame::Frame;
-use rho_grid::mode::{FrameMode, VisibilityMode};
+use rho_grid::mode::{FrameMode, ShadowMode, VisibilityMode};
 use rho_grid::render::{
     Blend, Buffers, EyeOrder, Rect, Tones, View, ViewError, ZBuffer, bands, draw_seen,
     quarter_words, tone_words,
@@ -142,6 +142,8 @@ pub enum ModelError {
     Mode,
     /// Objects reach into each other, and the program has no depths.
     Tangled,
+    /// Shadows in one pass, but not against depths into words.
+    OnePass,
     /// The frame is larger than the board's memory for it.
     TooLarge,
 }
@@ -155,6 +157,9 @@ impl fmt::Display for ModelError {
             Self::Mode => f.write_str("this program draws by presets alone"),
             Self::Tangled => {
                 f.write_str("objects reach into each other, and there is no memory for depths")
+            }
+            Self::OnePass => {
+                f.write_str("shadows in one pass are drawn with visibility=z and frame=words")
             }
             Self::TooLarge => f.write_str("the frame is larger than the memory for it"),
         }
@@ -217,8 +222,13 @@ impl<'a> Model<'a> {
         memory: &mut Memory,
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<(), ModelError> {
+        let mode = scene.mode;
+        let is_deep = mode.visibility == VisibilityMode::Z && mode.frame == FrameMode::Words;
+        if mode.shadows == ShadowMode::OnePass && !is_deep {
+            return Err(ModelError::OnePass);
+        }
         self.arrange(scene, &mut memory.arrangement, watch)?;
-        match scene.mode.frame {
+        match mode.frame {
             FrameMode::Words => self.words(scene, words, memory, watch),
             FrameMode::Tones => self.tones(scene, words, memory, watch),
             FrameMode::Quarters => self.quarters(scene, words, memory, watch),
@@ -334,7 +344,7 @@ impl<'a> Model<'a> {
                         map,
                         one_pass: Some(_),
                         ..
-                    }) => turn.draw(&tables.in_order(&shading, map.lend()), &mut frame),
+                    }) => turn.draw_deep(&tables.in_order(&shading, map.lend()), &mut frame),
                     Some(Seen { tables, map, .. }) => {
                         turn.draw(&tables.over(&shading, map), &mut frame)
                     }
@@ -368,15 +378,23 @@ impl InWords<'_, '_> {
                 let target = &mut target.ok_or(ModelError::TooLarge)?;
                 draw_turn::<Every, _>(self.turn, placed, view, shading, unit, target, self.depth)
             }
-            VisibilityMode::Z => {
-                let target = ZBuffer::<_, false>::new(frame, self.depth);
-                let mut target = target.ok_or(ModelError::TooLarge)?;
-                if let Some(unit) = unit {
-                    target = target.scaled(placed.depth_factor(view, unit));
-                }
-                let target = &mut target;
-                Ok(draw_seen(placed.mode, &placed.grid, view, shading, target))
-            }
+            VisibilityMode::Z => self.draw_deep(shading, frame),
         }
+    }
+
+    /// Against depths alone.
+    fn draw_deep(
+        &mut self,
+        shading: &impl Shade,
+        frame: &mut Frame<'_>,
+    ) -> Result<Option<Rect>, ModelError> {
+        let (placed, view) = (self.placed, self.view);
+        let target = ZBuffer::<_, false>::new(frame, self.depth);
+        let mut target = target.ok_or(ModelError::TooLarge)?;
+        if let Some(unit) = self.unit {
+            target = target.scaled(placed.depth_factor(view, unit));
+        }
+        let target = &mut target;
+        Ok(draw_seen(placed.mode, &placed.grid, view, shading, target))
     }
 }

@@ -14,7 +14,10 @@ use crate::blob::Grid;
 use crate::shading::Shade;
 
 /// A way to shade, with a map that is filled as samples are met.
-#[expect(missing_debug_implementations, reason = "a cell that cannot be looked into")]
+#[expect(
+    missing_debug_implementations,
+    reason = "a cell that cannot be looked into"
+)]
 pub struct OnePass<'a, S> {
     pub(super) shade: &'a S,
     pub(super) looked_up: &'a ShadowView,
