@@ -203,8 +203,8 @@ fn host_and_device_draw_the_same_bits_by_every_preset_from_everywhere() {
     all_the_same(&cases);
 }
 
-/// Shadows, by maps and splats of every size, into every frame: those of 128 normals' classes are looked
-/// up in assembly, those of other layouts are not.
+/// Shadows, by maps and splats of every size, into every frame, by two passes and by one; of presets they
+/// are looked up in assembly.
 #[test]
 fn host_and_device_draw_the_same_shadows() {
     firmware();
@@ -230,12 +230,23 @@ fn host_and_device_draw_the_same_shadows() {
                     ..mode
                 });
             }
+            if n % 4 == 1 {
+                modes.push(Mode {
+                    visibility: VisibilityMode::Z,
+                    frame: FrameMode::Words,
+                    shadows: ShadowMode::OnePass,
+                    ..mode
+                });
+            }
             cases.extend(modes.into_iter().map(|mode| Case {
                 blob,
                 name,
                 view,
                 mode: Mode {
-                    shadows: [ShadowMode::TwoPass, ShadowMode::Kept][n % 2],
+                    shadows: match mode.shadows {
+                        ShadowMode::None => [ShadowMode::TwoPass, ShadowMode::Kept][n % 2],
+                        shadows => shadows,
+                    },
                     shadow_map: MapSize::ALL[v % 3],
                     light_splat: LightSplat::of(1 + (v / 3 % 4) as u16).unwrap(),
                     ..mode

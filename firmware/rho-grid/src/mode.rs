@@ -257,8 +257,8 @@ impl Mode {
         if self.shadows == ShadowMode::OnePass && self.visibility == VisibilityMode::Eye {
             return Some("shadows in one pass come in the order of the light, against depths");
         }
-        let divides = self.reciprocal == ReciprocalMode::Divide;
-        if !divides && !(words && self.shadows == ShadowMode::None) {
+        let may_look_up = words && self.shadows == ShadowMode::None;
+        if self.reciprocal == ReciprocalMode::Table && !may_look_up {
             return Some("the table of reciprocals serves frames of words without shadows");
         }
         None

@@ -5,7 +5,7 @@ use core::fmt;
 use rho_grid::blob::format::MAX_MATERIALS;
 use rho_grid::blob::{Blob, BlobError};
 use rho_grid::frame::Frame;
-use rho_grid::mode::{FrameMode, VisibilityMode};
+use rho_grid::mode::{FrameMode, ShadowMode, VisibilityMode};
 use rho_grid::render::{
     Blend, Buffers, EyeOrder, Rect, Tones, View, ViewError, ZBuffer, bands, quarter_words,
     tone_words,
@@ -199,7 +199,8 @@ impl<'a> Model<'a> {
     ) -> Result<(), ModelError> {
         let Scene { camera, mode, .. } = scene;
         let blob = &self.blob;
-        if mode.contradiction().is_some() {
+        let one_pass = mode.shadows == ShadowMode::OnePass;
+        if mode.contradiction().is_some() || one_pass && blob.instance_count() > 1 {
             return Err(ModelError::Mode);
         }
         if mode.fineness.is_none() && !blob.is_scene() && mode.grid >= blob.grid_count() {

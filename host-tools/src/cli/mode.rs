@@ -42,7 +42,8 @@ pub struct ModeArgs {
     cell_size: Option<PixelSize>,
     /// How shadows are found: none, two-pass (a shadow map is filled, then looked up), kept (the
     /// same, but the map stays while light and object do), one-pass (the map is filled while drawing
-    /// one object in the order of the light, against depths) [default: none]
+    /// an object in the order of the light, against depths; of a scene, objects shade those that are
+    /// drawn after them) [default: none]
     #[arg(long, value_name = "NAME")]
     shadows: Option<ShadowMode>,
     /// Texels of the shadow map along a side: 64, 128, 256 [default: 128]
@@ -85,12 +86,6 @@ impl ModeArgs {
         let preset = preset.mode(blob, camera);
         let shadows = self.shadows.unwrap_or(preset.shadows);
         let one_pass = shadows == ShadowMode::OnePass;
-        if one_pass && blob.instance_count() > 1 {
-            return Err(
-                Failure::input("one pass draws the shadows of one object alone")
-                    .help("take --shadows two-pass for a scene"),
-            );
-        }
         let visibility = match (self.visibility, one_pass) {
             (Some(VisibilityMode::Eye), true) => {
                 return Err(Failure::input(
