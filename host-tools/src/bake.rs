@@ -609,6 +609,10 @@ fn palette(trees: &[Tree], layout: Layout) -> (Palette, Option<String>) {
         leaves.flat_map(|level| &level.samples)
     };
     let palette = Palette::of(leaves().map(|sample| sample.colour));
+    if layout.colour > 0 {
+        // Samples have their own; tones are sought among these.
+        return (palette, None);
+    }
     if layout.material == 0 && palette.colours().len() > 1 {
         let mut sum = [0_u64; 3];
         for sample in leaves() {

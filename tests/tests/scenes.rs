@@ -210,7 +210,7 @@ fn a_coloured_model_with_a_colour_a_sample_is_drawn_in_its_colours() {
         let light = host_tools::render::light(host_tools::view::STANDARD_LIGHT);
         let drawn = render_from(&blob.blob().unwrap(), &camera, light, mode).unwrap();
         let at = |y: usize| rgb888(drawn.words[y * 240 + 120]);
-        let ([r, _, b], [upper_r, _, upper_b]) = (at(250), at(70));
+        let ([r, _, b], [upper_r, _, upper_b]) = (at(230), at(90));
         assert!(r > 100 && b < 60, "{r} {b}");
         assert!(upper_b > 100 && upper_r < 60, "{upper_r} {upper_b}");
     }
