@@ -161,7 +161,7 @@ pub fn render_from(
                 towards,
                 &mut tones,
                 &mut band,
-                Some(rows),
+                Some(&rows),
             )?;
             blend.rows(&band, &mut words[first..], width);
         }
@@ -286,14 +286,14 @@ impl<'a> Stage<'a> {
         towards: [Unit; 3],
         tones: &mut SceneTones,
         frame: &mut WideTones<'_>,
-        rows: Option<Range<u16>>,
+        rows: Option<&Range<u16>>,
     ) -> Outcome {
         let mut reach: Option<Rect> = None;
         for turn in turns {
             let Some(placed) = self.placed(*turn)? else {
                 continue;
             };
-            if let Some(rows) = &rows {
+            if let Some(rows) = rows {
                 self.tables.see_rows(rows.clone());
             }
             tones.shade(self.blob, &placed, towards);

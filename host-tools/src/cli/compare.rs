@@ -169,7 +169,7 @@ impl Compare {
             broken.push(format!("{} holes are more than {limit}", result.holes));
         }
         if let (Some(limit), Some(wrong)) = (self.max_wrong_shadows, shadows)
-            && !(wrong.per_cent() <= limit)
+            && (wrong.per_cent() > limit || wrong.per_cent().is_nan())
         {
             let wrong = wrong.per_cent();
             broken.push(format!("{wrong:.2} % wrong shadows are more than {limit}"));

@@ -9,7 +9,7 @@
 //!         something lies before it in the map: it is drawn as if the light were off
 //! ```
 //!
-//! A place, two coordinates and a depth, is one word ([`view`]), so that a sample's is found by two
+//! A place, two coordinates and a depth, is one word (`view`), so that a sample's is found by two
 //! additions. Departures from the paper: its two passes draw the same samples, here the light's pass
 //! takes those of a grid whose cells are as large as a splat, and the eye's pass looks up what it shows
 //! alone. What is looked up is moved outwards ([`Bias`]), since a flat splat stands out of a
