@@ -394,7 +394,7 @@ mod tests {
         assert_eq!(cells(Preset::Fast), [81, 41]);
         assert_eq!(cells(Preset::Balanced), [107, 54]);
         assert_eq!(cells(Preset::Fine), [160, 80]);
-        assert_eq!(cells(Preset::Finest), [206, 103]);
+        assert_eq!(cells(Preset::Finest), [182, 91]);
         // At and in the cube, and at any zoom, there is an answer.
         assert_eq!(
             Preset::Fine.cells(&camera(0.0)),

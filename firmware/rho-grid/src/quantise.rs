@@ -62,7 +62,7 @@ impl Quantiser {
         let cut = Cut {
             shift: 0,
             at: 0,
-            next: [LEAF; 2],
+            next: [0; 2],
         };
         let part = Part {
             first: 0,

@@ -13,7 +13,7 @@
 //! that its mask does not name: it then reads and writes back bytes of the rows beside it, or of the
 //! margins before and after the frame.
 
-use super::visibility::{Canvas, Rect, Stamp, Visibility};
+use super::visibility::{Canvas, Rect, Shape, Stamp, Visibility};
 
 /// The lowest bit of each of four pixels.
 const COVERED: u32 = 0x0101_0101;
@@ -152,6 +152,35 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
             .map(move |row| row.get(..width).unwrap_or_default())
     }
 
+    /// Covers what is open of `count` pixels from `at` on.
+    #[inline(always)]
+    fn cover(&mut self, at: usize, count: usize, tone: u32) {
+        let lay = |four: &mut [u8; 4]| {
+            let old = word(*four);
+            *four = old
+                .wrapping_add((!old & COVERED).wrapping_mul(tone))
+                .to_le_bytes();
+        };
+        let Some(row) = self.pixels.get_mut(at..at + count) else {
+            return;
+        };
+        let (fours, rest) = row.as_chunks_mut();
+        if rest.is_empty() || count < 4 {
+            for pixel in rest {
+                if *pixel & 1 == 0 {
+                    *pixel = tone as u8;
+                }
+            }
+            fours.iter_mut().for_each(lay);
+            return;
+        }
+        fours.iter_mut().for_each(lay);
+        // The last four; what was covered stays.
+        if let Some(last) = row.last_chunk_mut() {
+            lay(last);
+        }
+    }
+
     #[inline(always)]
     fn at(&self, x: i32, y: i32) -> usize {
         ((y - self.first) * STRIDE as i32 + x + margin(STRIDE) as i32) as usize
@@ -284,6 +313,54 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
                 }
             }
             at += STRIDE;
+        }
+    }
+
+    /// A row of a shape is one piece, whose ends are near those of the row before: few pixels are asked,
+    /// and what lies between is covered four at a time.
+    fn draw_shape(&mut self, r: Rect, _w: i32, shape: &impl Shape, colour: impl Fn() -> u16) {
+        let tone = u32::from(colour());
+        if r.x1 - r.x0 < 8 {
+            // Small ones pixel by pixel.
+            for y in r.y0..r.y1 + 1 {
+                let holds = shape.row(y);
+                for x in r.x0..r.x1 + 1 {
+                    let at = self.at(x as i32, y as i32);
+                    let pixel = self.pixels.get_mut(at);
+                    if let Some(pixel) = pixel
+                        && *pixel & 1 == 0
+                        && holds(x)
+                    {
+                        *pixel = tone as u8;
+                    }
+                }
+            }
+            return;
+        }
+        let (mut left, mut right) = (r.x0, r.x1);
+        for y in r.y0..r.y1 + 1 {
+            let holds = shape.row(y);
+            let middle = left.midpoint(right);
+            let mut nearest = (middle..r.x1 + 1).chain((r.x0..middle).rev());
+            let Some(inside) = nearest.find(|x| holds(*x)) else {
+                continue;
+            };
+            left = left.min(inside);
+            while !holds(left) {
+                left += 1;
+            }
+            while left > r.x0 && holds(left - 1) {
+                left -= 1;
+            }
+            right = right.max(inside);
+            while !holds(right) {
+                right -= 1;
+            }
+            while right < r.x1 && holds(right + 1) {
+                right += 1;
+            }
+            let at = self.at(left as i32, y as i32);
+            self.cover(at, (right - left + 1) as usize, tone);
         }
     }
 

@@ -230,38 +230,38 @@ impl View {
             (1 << 29) - (q50 >> 20)
         });
 
+        // Half the edges of the cube, in the units of X, Y and W with 32 bits after the point.
+        let wide = |v: i64| v << 21u32.saturating_sub(drop) >> drop.saturating_sub(21);
+        let wide_w = |v: i64| v << (31 - drop_w);
+        let mut half: [[i64; 3]; 3] = core::array::from_fn(|axis| {
+            let of = |e: &[i64; 3]| e.get(axis).copied().unwrap_or(0);
+            [wide(of(&edges_x)), wide(of(&edges_y)), wide_w(of(&edges_w))]
+        });
+        let mut side = wide(focal << 30);
         let mut first = 0;
         let mut cells = 1;
         for level in 0..=grid.subdivisions() {
-            let rho = grid.levels().get(level).map_or(1, |l| i64::from(l.rho));
-            let half = |e: i64, drop: u32| shift(e / (2 * cells), drop);
-            let half_edges = core::array::from_fn(|axis| {
-                let of = |e: &[i64; 3]| e.get(axis).copied().unwrap_or(0);
-                Homogeneous {
-                    x: half(of(&edges_x), drop + 10),
-                    y: half(of(&edges_y), drop + 10),
-                    w: half(of(&edges_w), drop_w),
-                }
-            });
+            let rho = grid.levels().get(level).map_or(1, |l| u32::from(l.rho));
+            let half_edges = half.map(rounded);
             let sum = |get: fn(&Homogeneous) -> i32| {
                 half_edges.iter().map(|e| get(e).abs()).sum::<i32>() + 3
             };
-            let half = Homogeneous {
+            let extent = Homogeneous {
                 x: sum(|e| e.x),
                 y: sum(|e| e.y),
                 w: sum(|e| e.w),
             };
             let entry = LevelView {
                 half_edges,
-                half,
+                half: extent,
                 stop_w: if level < grid.first_sampled() {
                     // Without samples of their own its cells are opened, however small.
                     i32::MAX
                 } else {
-                    self.stop_w(half.x.max(half.y), cell_size)
+                    self.stop_w(extent.x.max(extent.y), cell_size)
                 },
                 eye: eye.map(|e| ((e * cells) >> 30).clamp(-1, cells) as i32),
-                side: shift((focal << 30) / cells, drop + 10),
+                side: (side >> 31) as i32,
                 overhang: 0,
                 children: (first, rho.pow(3) as usize),
             };
@@ -271,29 +271,14 @@ impl View {
             if level == grid.subdivisions() {
                 break;
             }
-            // Displacements (paper, equations 1 and 2): odd multiples of half a subcell's edge,
-            // each rounded once from the exact sum.
-            cells *= rho;
-            let step = |e: [i64; 3]| e.map(|v| v / (2 * cells));
-            let (sx, sy, sw) = (step(edges_x), step(edges_y), step(edges_w));
-            let mut at = first;
-            for k in 0..rho {
-                for j in 0..rho {
-                    for i in 0..rho {
-                        let odd = [2 * i + 1 - rho, 2 * j + 1 - rho, 2 * k + 1 - rho];
-                        let sum = |s: [i64; 3]| s.iter().zip(odd).map(|(s, o)| s * o).sum::<i64>();
-                        if let Some(d) = self.displacements.get_mut(at) {
-                            *d = Homogeneous {
-                                x: shift(sum(sx), drop + 10),
-                                y: shift(sum(sy), drop + 10),
-                                w: shift(sum(sw), drop_w),
-                            };
-                        }
-                        at += 1;
-                    }
-                }
+            cells *= i64::from(rho);
+            side = divided(side, rho);
+            half = half.map(|edge| edge.map(|v| divided(v, rho)));
+            let count = rho.pow(3) as usize;
+            if let Some(slots) = self.displacements.get_mut(first..first + count) {
+                displace(slots, rho, half);
             }
-            first = at;
+            first += count;
         }
         self.overhangs(grid);
         Ok(())
@@ -491,6 +476,55 @@ impl View {
     }
 }
 
+/// Displacements (paper, equations 1 and 2) of rho x rho x rho subcells: odd multiples of `half`, half
+/// their edges, each rounded once from the exact sum.
+fn displace(slots: &mut [Homogeneous], rho: u32, half: [[i64; 3]; 3]) {
+    let [along_x, along_y, along_z] = half.map(|edge| edge.map(|v| 2 * v));
+    let plus = |[x, y, w]: [i64; 3], [dx, dy, dw]: [i64; 3]| [x + dx, y + dy, w + dw];
+    let before = |[x, y, w]: [i64; 3], edge: [i64; 3]| {
+        let [dx, dy, dw] = edge.map(|v| i64::from(rho - 1) * v);
+        [x - dx, y - dy, w - dw]
+    };
+    let mut slots = slots.iter_mut();
+    let mut plane = half.into_iter().fold([0; 3], before);
+    for _ in 0..rho {
+        let mut row = plane;
+        for _ in 0..rho {
+            let mut at = row;
+            for _ in 0..rho {
+                if let Some(slot) = slots.next() {
+                    *slot = rounded(at);
+                }
+                at = plus(at, along_x);
+            }
+            row = plus(row, along_y);
+        }
+        plane = plus(plane, along_z);
+    }
+}
+
+/// Numbers with 32 bits after the point, rounded to nearest.
+#[inline(always)]
+fn rounded([x, y, w]: [i64; 3]) -> Homogeneous {
+    let round = |v: i64| ((v + (1 << 31)) >> 32) as i32;
+    Homogeneous {
+        x: round(x),
+        y: round(y),
+        w: round(w),
+    }
+}
+
+/// v / by, rounded down, for `by` below 2^16: the core divides 32 bits, not 64.
+fn divided(v: i64, by: u32) -> i64 {
+    let high = (v >> 32) as i32;
+    let first = high.div_euclid(by as i32);
+    let rest = (high - first * by as i32) as u32;
+    let middle = rest << 16 | (v as u32) >> 16;
+    let (second, rest) = (middle / by, middle % by);
+    let low = rest << 16 | v as u32 & 0xFFFF;
+    (i64::from(first) << 32) + (i64::from(second) << 16) + i64::from(low / by)
+}
+
 /// How many bits a magnitude needs.
 fn bits(magnitude: i64) -> u32 {
     64 - magnitude.leading_zeros()
@@ -499,4 +533,17 @@ fn bits(magnitude: i64) -> u32 {
 /// v / 2^by, rounded to nearest; the caller has chosen `by` so that it fits.
 fn shift(v: i64, by: u32) -> i32 {
     ((v + (1 << (by - 1))) >> by) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_quotient_is_rounded_down(v: i64, by in 1..=5u32) {
+            prop_assert_eq!(divided(v, by), v.div_euclid(by.into()));
+        }
+    }
 }

@@ -16,6 +16,21 @@ const FACES_A_OCTANT: usize = CLASSES / 8;
 /// Bits of a normal that its class does not tell.
 pub(super) const FINER: u32 = BITS - CLASS_BITS;
 
+/// `[65 (y + 32) + x + 32]`: the direction nearest to (x, y), 32 to the unit.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+static DIRECTIONS: [u8; 65 * 65] = {
+    let mut directions = [0; 65 * 65];
+    let mut at = 0;
+    while at < 65 * 65 {
+        directions[at as usize] = mask::direction(at % 65 - 32, at / 65 - 32) as u8;
+        at += 1;
+    }
+    directions
+};
+
 /// A class of normals in eye space.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -49,39 +64,47 @@ impl Classes {
         let rotation = camera.rotation.map(|row| row.map(|v| v.to_bits() >> 16));
         let [right, up, back] = rotation;
         let down = up.map(|v| -v);
-        let (front, opposite) = self.0.split_at_mut(CLASSES / 2);
         let faces = FACES.iter().step_by(every << FINER);
         for (face, [x, y, z]) in (0..).step_by(every).zip(faces) {
             let [x, y, z] = [*x, *y, *z].map(i32::from);
             // Q28; the four sums of positive x, by the octant's two lower bits.
             let sums = |[a, b, c]: [i32; 3]| {
                 let (a, b, c) = (a * x, b * y, c * z);
-                [a + b + c, a + b - c, a - b + c, a - b - c]
+                let (plus, minus) = (a + b, a - b);
+                [plus + c, plus - c, minus + c, minus - c]
             };
-            let (xs, ys, zs) = (sums(right), sums(down), sums(back));
-            let octants = xs.into_iter().zip(ys).zip(zs);
-            let fronts = front.chunks_exact_mut(FACES_A_OCTANT);
-            let opposites = opposite.chunks_exact_mut(FACES_A_OCTANT).rev();
-            for (((x, y), z), (front, opposite)) in octants.zip(fronts.zip(opposites)) {
-                let across = |v: i32| ((v + (1 << 22)) >> 23) as u32;
-                let across = across(x).wrapping_add(across(y) << 16);
-                let direction = mask::direction(x >> 14, y >> 14);
-                let towards = |z: i32| ((z << 2) as u32 & 0xFFFF_0000) | direction;
-                let class = Class {
-                    across,
-                    towards: towards(z),
-                };
-                let facing_away = Class {
-                    across: 0u32.wrapping_sub(across),
-                    towards: towards(-z),
-                };
-                let group = face..face + every;
-                front.get_mut(group.clone()).unwrap_or_default().fill(class);
-                opposite
-                    .get_mut(group)
-                    .unwrap_or_default()
-                    .fill(facing_away);
+            let ([a, b, c, d], [e, f, g, h]) = (sums(right), sums(down));
+            let [i, j, k, l] = sums(back);
+            for (octant, eye) in [[a, e, i], [b, f, j], [c, g, k], [d, h, l]]
+                .into_iter()
+                .enumerate()
+            {
+                self.pair(face + octant * FACES_A_OCTANT, every, eye);
             }
+        }
+    }
+
+    /// Sets `count` classes of positive x, and their opposites: in the last octant if they are in the
+    /// first.
+    #[inline(always)]
+    fn pair(&mut self, index: usize, count: usize, [x, y, z]: [i32; 3]) {
+        let (x, y) = ((x + (1 << 22)) >> 23, (y + (1 << 22)) >> 23);
+        let direction = DIRECTIONS.get((65 * y + x + 65 * 32 + 32) as usize);
+        let direction = u32::from(direction.copied().unwrap_or(0));
+        let across = (x as u32).wrapping_add((y as u32) << 16);
+        let towards = |z: i32| ((z << 2) as u32 & 0xFFFF_0000) | direction;
+        let class = Class {
+            across,
+            towards: towards(z),
+        };
+        let facing_away = Class {
+            across: 0u32.wrapping_sub(across),
+            towards: towards(-z),
+        };
+        let opposite = index ^ (CLASSES - FACES_A_OCTANT);
+        for (first, class) in [(index, class), (opposite, facing_away)] {
+            let classes = self.0.get_mut(first..first + count);
+            classes.unwrap_or_default().fill(class);
         }
     }
 

@@ -368,11 +368,11 @@ pub(super) fn disc<C: Round>(circle: C, parts: u32, direction: u32, half: u32) -
 }
 
 /// The index of the direction nearest to (x, y) or its opposite; (0, 0) gives one too.
-pub(super) fn direction(x: i32, y: i32) -> u32 {
+pub(super) const fn direction(x: i32, y: i32) -> u32 {
     let (ax, ay) = (x.unsigned_abs(), y.unsigned_abs());
     let (large, small) = if ax >= ay { (ax, ay) } else { (ay, ax) };
     // The tangents of 1, 3, 5 and 7 sixteenths of a quarter turn, times 256.
-    let tangent = (small << 8) / large.max(1);
+    let tangent = (small << 8) / if large == 0 { 1 } else { large };
     let eighth = match tangent {
         0..25 => 0,
         25..78 => 1,
