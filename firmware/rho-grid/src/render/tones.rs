@@ -365,8 +365,12 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
     }
 
     #[cfg(rho_thumb)]
-    fn tones(&mut self) -> Option<&mut [u8]> {
-        (STRIDE == super::stamp::STRIDE).then_some(&mut *self.pixels)
+    fn tones(&mut self) -> Option<(&mut [u8], Option<i32>)> {
+        match STRIDE / super::stamp::STRIDE {
+            1 if STRIDE == super::stamp::STRIDE => Some((self.pixels, None)),
+            2 if STRIDE == 2 * super::stamp::STRIDE => Some((self.pixels, Some(self.first))),
+            _ => None,
+        }
     }
 
     #[inline(always)]

@@ -88,9 +88,10 @@ pub trait Visibility {
         self.is_open(x, y)
     }
 
-    /// The bytes of a frame of tones as wide as the loops in assembly have it.
+    /// The bytes of a frame of tones as wide as the loops in assembly have it; or of a band of quarters,
+    /// twice as wide, and its first row.
     #[cfg(rho_thumb)]
-    fn tones(&mut self) -> Option<&mut [u8]> {
+    fn tones(&mut self) -> Option<(&mut [u8], Option<i32>)> {
         None
     }
 

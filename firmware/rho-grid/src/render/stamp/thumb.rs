@@ -29,7 +29,9 @@
 //!   [`stamp`] compares with its length.
 //! * *filling*, *covered*: [`next_to_fill`] and [`is_covered`] check their bounds themselves.
 //! * *pixels*: places have six bits each, so windows begin within 64 x 64 pixels of the corner, and
-//!   [`stamp`] checks that those and three more, each way, are in the frame's bytes.
+//!   [`stamp`] checks that those and three more, each way, are in the frame's bytes. In a band each window
+//!   is compared with the last that lies in its bytes; one that begins before the first is, as a number
+//!   without sign, beyond the last.
 
 #![allow(unsafe_code, reason = "the one place with assembly")]
 
@@ -236,6 +238,10 @@ struct Block {
     planes: MaybeUninit<[u32; 9]>,
     /// 180: where shadows are looked up.
     light: InLight,
+    /// 212: the first byte of a band, from which `corner` counts there.
+    band: *mut u8,
+    /// 216: how many windows begin in it.
+    windows: u32,
 }
 
 /// What looking up a sample's shadow needs.
@@ -274,6 +280,9 @@ unsafe extern "C" {
     fn rho_grid_stamp_two(block: *mut Block);
     fn rho_grid_stamp_three(block: *mut Block);
     fn rho_grid_stamp_four(block: *mut Block);
+    fn rho_grid_stamp_band_two(block: *mut Block);
+    fn rho_grid_stamp_band_three(block: *mut Block);
+    fn rho_grid_stamp_band_four(block: *mut Block);
     fn rho_grid_stamp_both_two(block: *mut Block);
     fn rho_grid_stamp_both_three(block: *mut Block);
     fn rho_grid_stamp_both_four(block: *mut Block);
@@ -296,7 +305,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     target: &mut V,
     shading: &S,
 ) -> bool {
-    let (Some(pixels), Some(tones)) = (target.tones(), shading.tones(BOTH)) else {
+    let (Some((pixels, band)), Some(tones)) = (target.tones(), shading.tones(BOTH)) else {
         return false;
     };
     // A word without the bits below those that are looked up.
@@ -305,6 +314,10 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         return false;
     }
     let shadows = shading.look_up();
+    // Of bands, only what is drawn most.
+    if band.is_some() && (BOTH || shadows.is_some()) {
+        return false;
+    }
     let bits = shadows.map_or(0, |shadows| shadows.bits);
     let light = match (shadows, &parents.light) {
         (None, None) => InLight::NONE,
@@ -329,13 +342,16 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         _ => return false,
     };
     let (x, y) = stamps.corner;
-    let corner = margin(STRIDE) as i32 + y * STRIDE as i32 + x;
+    let stride = if band.is_some() { 2 * STRIDE } else { STRIDE };
+    let corner = margin(stride) as i32 + (y - band.unwrap_or(0)) * stride as i32 + x;
     // 63 pixels on, and the window's three.
     let last = corner + 66 * (STRIDE as i32 + 1);
+    // A window is as long as the margin.
+    let windows = (pixels.len() + 1).saturating_sub(margin(stride)) as u32;
+    let is_inside = band.is_some() || corner >= 0 && (last as usize) < pixels.len();
     let [_, _, a, b, c, d, e, f, g, h, i, ..] = stamps.cells;
     let order = parents.order.get(..parents.count).unwrap_or_default();
-    if corner < 0
-        || last as usize >= pixels.len()
+    if !is_inside
         || stamps.breadth >= 1 << 8
         || order.is_empty()
         || parents.displacements.len() < parents.subcells
@@ -366,8 +382,11 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         spread: SPREAD.as_ptr(),
         classes: stamps.classes.0.as_ptr(),
         half_planes: HALF_PLANES.as_ptr(),
-        // Within the pixels: it is neither negative nor beyond the last.
-        corner: pixels.as_mut_ptr().wrapping_add(corner as usize),
+        // Of a frame within the pixels: it is neither negative nor beyond the last.
+        corner: match band {
+            None => pixels.as_mut_ptr().wrapping_add(corner as usize),
+            Some(_) => core::ptr::without_provenance_mut(corner as usize),
+        },
         list: core::ptr::null(),
         along_z: stamps.along_z,
         origin: 0u32.wrapping_sub(x as u32).wrapping_sub((y as u32) << 16),
@@ -384,10 +403,15 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         lists: LISTS.as_ptr(),
         planes: MaybeUninit::uninit(),
         light,
+        band: pixels.as_mut_ptr(),
+        windows,
     };
     // SAFETY: the module's argument; all that is pointed to is borrowed here.
     unsafe {
         match (rows, BOTH, bits) {
+            (2, ..) if band.is_some() => rho_grid_stamp_band_two(&raw mut block),
+            (3, ..) if band.is_some() => rho_grid_stamp_band_three(&raw mut block),
+            (_, ..) if band.is_some() => rho_grid_stamp_band_four(&raw mut block),
             (2, true, _) => rho_grid_stamp_both_two(&raw mut block),
             (3, true, _) => rho_grid_stamp_both_three(&raw mut block),
             (_, true, _) => rho_grid_stamp_both_four(&raw mut block),
@@ -414,6 +438,7 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, centre) == 96);
     assert!(core::mem::offset_of!(Block, planes) == 144);
     assert!(core::mem::offset_of!(Block, light) == 180);
+    assert!(core::mem::offset_of!(Block, windows) == 216);
     assert!(core::mem::offset_of!(InLight, cells) == 28);
     assert!(size_of::<Lists>() == 5120);
     // Subcells and ranks have a byte each.
@@ -464,7 +489,7 @@ global_asm!(
     "str r9, [r10, #\\at]",
     ".endm",
     // All rows: lr the mask, r12 the table of spread bits.
-    ".macro RHO_ROWS rows, tone",
+    ".macro RHO_ROWS rows, tone, band",
     ".if \\rows == 2",
     "add lr, r12, lr, lsl #3",
     "ldrd r11, r12, [lr]",
@@ -476,20 +501,20 @@ global_asm!(
     "ldrd r11, r12, [r9]",
     ".endif",
     "RHO_ROW r11, \\tone, 0",
-    "RHO_ROW r12, \\tone, 240",
+    "RHO_ROW r12, \\tone, 240*(1+\\band)",
     ".if \\rows == 3",
     "ldr r11, [lr]",
-    "RHO_ROW r11, \\tone, 480",
+    "RHO_ROW r11, \\tone, 480*(1+\\band)",
     ".endif",
     ".if \\rows == 4",
     "ldrd r11, r12, [lr]",
-    "RHO_ROW r11, \\tone, 480",
-    "RHO_ROW r12, \\tone, 720",
+    "RHO_ROW r11, \\tone, 480*(1+\\band)",
+    "RHO_ROW r12, \\tone, 720*(1+\\band)",
     ".endif",
     ".endm",
     // One sample. r0 block, r1 next entry, r2 end, r3 place, r4 words, r5 classes, r6 half-planes,
     // r7 corner; r8 to r12 and lr are free.
-    ".macro RHO_SAMPLES rows, backwards, under, shaded",
+    ".macro RHO_SAMPLES rows, backwards, under, shaded, band",
     "1:",
     ".if \\backwards",
     "ldrb r8, [r1, #-1]!",
@@ -511,7 +536,14 @@ global_asm!(
     "lsr lr, r9, #26",
     "rsb lr, lr, lr, lsl #4",
     "add r10, r10, r7",
-    "add r10, r10, lr, lsl #4", // corner + 240 y + x
+    "add r10, r10, lr, lsl #(4+\\band)", // corner + 240 y + x, or 480 y
+    ".if \\band",
+    "ldr lr, [r0, #216]",
+    "cmp r10, lr",
+    "bhs 4f",
+    "ldr lr, [r0, #212]",
+    "add r10, r10, lr",
+    ".endif",
     "ldr lr, [r0, #44]",
     "mla r11, r11, lr, r12", // the cosine
     "adds r11, r11, #0",     // clears the carry
@@ -549,24 +581,24 @@ global_asm!(
     "beq 4f",
     ".if \\shaded",
     "RHO_SHADED \\backwards, \\shaded",
-    "RHO_ROWS \\rows, r7",
+    "RHO_ROWS \\rows, r7, \\band",
     "ldr r7, [r0, #76]",
     ".else",
     "ldrd r11, r12, [r0, #60]",
     "lsr r8, r8, #\\under",
     "ldrb r8, [r11, r8]", // the tone
-    "RHO_ROWS \\rows, r8",
+    "RHO_ROWS \\rows, r8, \\band",
     ".endif",
     "4:",
     "cmp r1, r2",
     "bne 1b",
     "ldr pc, [sp], #4",
     "3:", // it faces away
-    "ldr lr, [r10, #(\\rows / 2 * 240)]",
+    "ldr lr, [r10, #(\\rows / 2 * 240 * (1 + \\band))]",
     "mvn lr, lr",
     "tst lr, #0x01010101",
     "bne 5f",
-    "ldr lr, [r10, #(\\rows / 2 * 240 - 240)]",
+    "ldr lr, [r10, #((\\rows / 2 - 1) * 240 * (1 + \\band))]",
     "mvn lr, lr",
     "tst lr, #0x01010101",
     "beq 4b",
@@ -575,7 +607,7 @@ global_asm!(
     "b 2b",
     ".endm",
     // A plane: r1 its nine bits, r3 its place, r4 its words.
-    ".macro RHO_PLANE rows, backwards, under, shaded",
+    ".macro RHO_PLANE rows, backwards, under, shaded, band",
     "cbnz r1, 5f",
     "bx lr",
     "5:",
@@ -591,7 +623,7 @@ global_asm!(
     ".else",
     "add r2, r2, r1",
     ".endif",
-    "RHO_SAMPLES \\rows, \\backwards, \\under, \\shaded",
+    "RHO_SAMPLES \\rows, \\backwards, \\under, \\shaded, \\band",
     ".endm",
     // The displacements of a plane in the light, so many bytes from the first plane's.
     ".macro RHO_IN_LIGHT at, shaded",
@@ -605,7 +637,7 @@ global_asm!(
     ".endm",
     // All parents; shadows are looked up in a map of 2^shaded texels a side, if that is not 0.
     // Registers are saved for the caller, as its convention wants.
-    ".macro RHO_BLOCK name, rows, under, shaded",
+    ".macro RHO_BLOCK name, rows, under, shaded, band=0",
     ".section .text.\\name,\"ax\",%progbits",
     ".global \\name",
     ".type \\name,%function",
@@ -751,15 +783,18 @@ global_asm!(
     "bl 40f",
     "b 12b",
     "30:",
-    "RHO_PLANE \\rows, 0, \\under, \\shaded",
+    "RHO_PLANE \\rows, 0, \\under, \\shaded, \\band",
     "40:",
-    "RHO_PLANE \\rows, 1, \\under, \\shaded",
+    "RHO_PLANE \\rows, 1, \\under, \\shaded, \\band",
     ".size \\name, . - \\name",
     ".endm",
     ".syntax unified",
     "RHO_BLOCK rho_grid_stamp_two, 2, 3, 0",
     "RHO_BLOCK rho_grid_stamp_three, 3, 3, 0",
     "RHO_BLOCK rho_grid_stamp_four, 4, 3, 0",
+    "RHO_BLOCK rho_grid_stamp_band_two, 2, 3, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_band_three, 3, 3, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_band_four, 4, 3, 0, 1",
     "RHO_BLOCK rho_grid_stamp_both_two, 2, 2, 0",
     "RHO_BLOCK rho_grid_stamp_both_three, 3, 2, 0",
     "RHO_BLOCK rho_grid_stamp_both_four, 4, 2, 0",
