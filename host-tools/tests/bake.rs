@@ -458,7 +458,7 @@ fn flags_and_names_that_cannot_be_are_refused() {
     let before = names(at);
     for (arguments, reason) in [
         (&["bake", "t.obj", "teapot", "-o", "o.rho"][..], "bakes one"),
-        (&["bake", "scene.toml", "-o", "o.rho"], "one model"),
+        (&["bake", "scene.toml", "-o", "o.rho"], "no object"),
         (&["bake", "coffeepot", "-o", "o.rho"], "teapot"),
         (&["bake", "t.obj", "-o", "t.obj"], "overwritten"),
         (&["bake", "t.obj", "-o", "none/o.rho"], "none/o.rho"),
