@@ -200,7 +200,7 @@ fn the_presets_show_no_more_of_what_lies_behind_than_they_did() {
     let mut more = String::new();
     for (&preset, limit) in Preset::ALL
         .iter()
-        .zip([(23, 390), (15, 300), (17, 250), (40, 400)])
+        .zip([(25, 370), (15, 300), (16, 251), (14, 200)])
     {
         let of: Vec<usize> = truths
             .iter()
