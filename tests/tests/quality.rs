@@ -242,9 +242,10 @@ fn a_surface_right_before_the_eye_is_as_near_to_the_truth_as_one_far_away() {
     }
 }
 
-/// Counted in the emulator, exact to one instruction: 13.1 million when the limit was set.
+/// Counted in the emulator, exact to one instruction: 13.1 million before words had materials beside offsets,
+/// colours, lights and shadows, 14.9 since.
 #[test]
-fn the_bunny_near_takes_at_most_14_million_instructions() {
+fn the_bunny_near_in_boxes_takes_at_most_15_million_instructions() {
     let request = Request::Model(Scene {
         camera: View::from(StandardView::Near).camera().unwrap(),
         light: render::light(STANDARD_LIGHT),
@@ -254,7 +255,7 @@ fn the_bunny_near_takes_at_most_14_million_instructions() {
         .and_then(Run::done)
         .unwrap_or_else(|failure| panic!("{failure}"));
     let instructions = run.report.phases.frame();
-    assert!(instructions <= 14_000_000, "{instructions}");
+    assert!(instructions <= 15_000_000, "{instructions}");
 }
 
 /// Sixty views from the distance of `near`, and forty of other kinds: close, from inside,
