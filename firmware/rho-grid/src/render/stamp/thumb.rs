@@ -411,7 +411,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         match (rows, BOTH, bits) {
             (2, ..) if band.is_some() => rho_grid_stamp_band_two(&raw mut block),
             (3, ..) if band.is_some() => rho_grid_stamp_band_three(&raw mut block),
-            (_, ..) if band.is_some() => rho_grid_stamp_band_four(&raw mut block),
+            _ if band.is_some() => rho_grid_stamp_band_four(&raw mut block),
             (2, true, _) => rho_grid_stamp_both_two(&raw mut block),
             (3, true, _) => rho_grid_stamp_both_three(&raw mut block),
             (_, true, _) => rho_grid_stamp_both_four(&raw mut block),
