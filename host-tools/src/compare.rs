@@ -115,7 +115,11 @@ pub fn compare(
         intersection: both,
         inside: count(&inside),
     };
-    let ours_rgb = blackened(picture, &ours);
+    // Where coverage is known, what is covered in part has its part of a colour already.
+    let ours_rgb = match &picture.coverage {
+        Some(_) => picture.rgb.clone(),
+        None => blackened(picture, &ours),
+    };
     let theirs_rgb = &reference.rgb;
     let leaks = depths.map(|depths| {
         let values = depths.picture.values.iter().zip(&depths.reference.values);
