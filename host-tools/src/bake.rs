@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use rho_grid::blob::Layout;
+use rho_grid::blob::facing::BACKS_BYTES;
 use rho_grid::blob::format::mask_words;
 use serde::Serialize;
 
@@ -59,8 +60,9 @@ impl Default for BakeOptions {
     }
 }
 
-/// The grids of [`BakeOptions::standard`]: 54, 81, 108 and 162 cells an axis, for the presets.
-const STANDARD: [&[u8]; 4] = [
+/// The grids of [`BakeOptions::standard`]: 48, 54, 81, 108 and 162 cells an axis, for the presets.
+const STANDARD: [&[u8]; 5] = [
+    &[4, 4, 3],
     &[2, 3, 3, 3],
     &[3, 3, 3, 3],
     &[2, 3, 2, 3, 3],
@@ -69,18 +71,9 @@ const STANDARD: [&[u8]; 4] = [
 
 impl BakeOptions {
     /// What serves the presets best: thin grids of discs for every distance, as many as fit into
-    /// `flash` bytes. Words have no room for an offset and a material: a model in several colours
-    /// is baked with materials, by powers of 3.
+    /// `flash` bytes. A model in several colours gives up two bits of the normal and one of the offset
+    /// for one of eight materials.
     fn standard(model: &Model, flash: Option<u64>, given: Self) -> Self {
-        if model.is_coloured() {
-            return Self {
-                grid: match flash {
-                    Some(flash) => GridChoice::Finest(None, flash),
-                    None => Self::default().grid,
-                },
-                ..given
-            };
-        }
         let sequences = STANDARD.map(|s| Sequence::new(s).unwrap_or_else(|_| unreachable!()));
         let sequences = sequences.to_vec();
         Self {
@@ -89,7 +82,11 @@ impl BakeOptions {
                 None => GridChoice::Fixed(sequences),
             },
             separation: Separation::Six,
-            layout: LayoutChoice::Offset,
+            layout: if model.is_coloured() {
+                LayoutChoice::Both
+            } else {
+                LayoutChoice::Offset
+            },
             samples: SampleChoice::Leaves,
             ..given
         }
@@ -475,6 +472,11 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
         let word = f64::from(self.layout().word_bytes);
         let mut level = leaves as f64;
         let mut bytes = FIXED + level * word;
+        let mut cone = 0.0;
+        if self.layout().offset > 0 {
+            bytes += BACKS_BYTES as f64;
+            cone = 2.0;
+        }
         for &rho in sequence.as_slice().iter().rev() {
             level = (level / f64::from(rho).powi(2)).max(1.0);
             let mask = f64::from(4 * mask_words(rho, 4) as u32) / 4.0;
@@ -482,7 +484,7 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
                 SampleChoice::All => word,
                 SampleChoice::Leaves => 0.0,
             };
-            bytes += level * (sample + mask + 2.0);
+            bytes += level * (sample + mask + cone + 2.0);
         }
         bytes as u64
     }
@@ -516,6 +518,7 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
             .map(|sampling| sampling.expected_leaves(self.geometry))
             .sum();
         self.progress.expected.store(expected, Ordering::Relaxed);
+        let rims = self.geometry.rims();
         let trees = samplings
             .par_iter()
             .map(|sampling| {
@@ -525,6 +528,7 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
                         message: format!("{}: {}", self.model.name, failure.message),
                         ..failure
                     })?;
+                tree.rims.clone_from(&rims);
                 if self.options.samples == SampleChoice::Leaves {
                     tree.drop_intermediate_samples();
                 }
@@ -703,6 +707,7 @@ mod tests {
             let mut tree = Tree {
                 sequence: vec![2],
                 separation: Separation::TwentySix,
+                rims: None,
                 levels: vec![TreeLevel::default(); 2],
             };
             tree.levels[1].samples = (0..n)
@@ -711,6 +716,7 @@ mod tests {
                     offset: 0.0,
                     colour: [20 * i as u8, 0, 0],
                     mean: [20 * i as u8, 0, 0],
+                    two_sided: false,
                 })
                 .collect();
             tree

@@ -258,6 +258,7 @@ pub fn section_name(kind: u16) -> String {
     match kind {
         kind::GRID => "grid",
         kind::MASKS => "masks",
+        kind::FACING => "facing",
         kind::CHILDREN => "children",
         kind::ATTRIBUTES => "attributes",
         kind::MATERIALS => "materials",

@@ -10,14 +10,14 @@ use rho_grid::blob::{Instance, Layout, Light, Material};
 use rho_grid::camera::Camera;
 use rho_grid::q::Rotation;
 
+use crate::facing::{self, Backs};
 use crate::palette::Palette;
 use crate::picture::rgb565;
 use crate::quantise::normal_index;
 use crate::sampling::{Separation, Tree, TreeLevel, TreeSample};
 
-/// The most grids of a blob: each has four sections, and two are the blob's, or six a scene's.
-pub const MAX_GRIDS: usize = (MAX_SECTIONS - 2) / 4;
-const _: () = assert!((MAX_SECTIONS - 6) / 4 + 1 >= MAX_GRIDS);
+/// The most grids of a blob: each has five sections at most, and two are the blob's, or six a scene's.
+pub const MAX_GRIDS: usize = (MAX_SECTIONS - 6) / 5;
 
 /// A blob in the making: sections in the order in which they are added.
 #[derive(Debug, Default)]
@@ -94,6 +94,11 @@ pub fn encode_scene(scene: &SceneEncoding<'_>) -> Vec<u8> {
             sections.add(kind::ATTRIBUTES, grid, words);
             grid += 1;
         }
+    }
+    let mut first = 0;
+    for object in scene.objects {
+        sections.add_facing(first, &object.trees, object.layout);
+        first += object.trees.len() as u16;
     }
     sections.write()
 }
@@ -187,12 +192,27 @@ pub fn encode_all(trees: &[Tree], encoding: &Encoding) -> Vec<u8> {
             attributes(tree, encoding.layout, &encoding.palette),
         );
     }
+    sections.add_facing(0, trees, encoding.layout);
     sections.write()
 }
 
 impl Sections {
     fn add(&mut self, kind: u16, grid: u16, bytes: Vec<u8>) {
         self.entries.push((kind, grid, bytes));
+    }
+
+    /// What of an object's grids, from number `first` on, faces away: of samples drawn as discs, if that
+    /// is known.
+    fn add_facing(&mut self, first: u16, trees: &[Tree], layout: Layout) {
+        if layout.offset == 0 {
+            return;
+        }
+        let Some(backs) = Backs::of(trees) else {
+            return;
+        };
+        for (grid, tree) in (first..).zip(trees) {
+            self.add(kind::FACING, grid, facing::section(tree, &backs));
+        }
     }
 
     fn write(self) -> Vec<u8> {

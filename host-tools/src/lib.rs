@@ -12,6 +12,7 @@ pub mod contents;
 pub mod depth;
 pub mod device;
 pub mod encode;
+pub mod facing;
 pub mod failure;
 pub mod firmware;
 pub mod flash;

@@ -150,22 +150,27 @@ pub fn render_from(
         }
         stage.depth = vec![f32::NAN; 4 * pixels];
         stage.buffer = vec![u16::MAX; 4 * pixels];
+        let mut covered = Vec::with_capacity(pixels);
         let blend = Blend::new(&palette);
         let mut buffer = vec![0; quarter_words(WIDEST)];
         for rows in bands(height) {
             let first = usize::from(rows.start / 2) * usize::from(width);
             let mut band = WideTones::band(&mut buffer, 2 * width, rows.clone())
                 .ok_or_else(|| internal("frame size"))?;
-            stage.tones(
+            let reach = stage.tones(
                 arrangement.turns(),
                 towards,
                 &mut tones,
                 &mut band,
                 Some(&rows),
             )?;
-            blend.rows(&band, &mut words[first..], width);
+            blend.rows(&band, &mut words[first..], width, reach);
+            let places =
+                (0..rows.len() as i32 / 2).flat_map(|y| (0..i32::from(width)).map(move |x| (x, y)));
+            covered.extend(places.map(|(x, y)| (band.quarters(x, y) * 255).div_ceil(4) as u8));
         }
-        coverage = Some(stage.gather(usize::from(width)));
+        stage.gather(usize::from(width));
+        coverage = Some(covered);
     } else if mode.frame == FrameMode::Tones {
         let mut buffer = vec![0; tone_words(WIDEST, height)];
         let mut frame =
@@ -279,7 +284,7 @@ impl<'a> Stage<'a> {
     }
 
     /// Draws all instances into a frame of tones, which is filled, or a band of quarters with these
-    /// rows.
+    /// rows; returns the pixels that they may reach.
     fn tones(
         &mut self,
         turns: &[Turn],
@@ -287,8 +292,9 @@ impl<'a> Stage<'a> {
         tones: &mut SceneTones,
         frame: &mut WideTones<'_>,
         rows: Option<&Range<u16>>,
-    ) -> Outcome {
-        let mut reach: Option<Rect> = None;
+    ) -> Outcome<Option<Rect>> {
+        let (mut reach, mut all): (Option<Rect>, Option<Rect>) = (None, None);
+        let with = |all: Option<Rect>, more| all.into_iter().chain(more).reduce(Rect::with);
         for turn in turns {
             let Some(placed) = self.placed(*turn)? else {
                 continue;
@@ -298,20 +304,19 @@ impl<'a> Stage<'a> {
             }
             tones.shade(self.blob, &placed, towards);
             let drawn = self.draw(*turn, &placed, &*tones, frame);
-            reach = reach.into_iter().chain(drawn).reduce(Rect::with);
+            (reach, all) = (with(reach, drawn), with(all, drawn));
             if turn.is_last
                 && let Some(reach) = reach.take().filter(|_| rows.is_none())
             {
                 frame.fill(reach);
             }
         }
-        Ok(())
+        Ok(all)
     }
 
-    /// Of the depths of quarters, those of pixels: of the first quarter that has one. Returns how
-    /// much of each pixel is covered.
-    fn gather(&mut self, width: usize) -> Vec<u8> {
-        let (depth, coverage) = self
+    /// Of the depths of quarters, those of pixels: of the first quarter that has one.
+    fn gather(&mut self, width: usize) {
+        self.depth = self
             .depth
             .chunks_exact(4 * width)
             .flat_map(|two| {
@@ -319,13 +324,10 @@ impl<'a> Stage<'a> {
                 upper.as_chunks().0.iter().zip(lower.as_chunks().0)
             })
             .map(|(&[a, b], &[c, d]): (&[f32; 2], &[f32; 2])| {
-                let covered = [a, b, c, d].into_iter().filter(|depth| depth.is_finite());
-                let first = covered.clone().next().unwrap_or(f32::NAN);
-                (first, (covered.count() * 255).div_ceil(4) as u8)
+                let mut covered = [a, b, c, d].into_iter().filter(|depth| depth.is_finite());
+                covered.next().unwrap_or(f32::NAN)
             })
-            .unzip();
-        self.depth = depth;
-        coverage
+            .collect();
     }
 
     /// Draws an instance in its turn, with its shadows; returns the pixels that it may reach.

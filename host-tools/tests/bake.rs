@@ -230,25 +230,27 @@ fn several_grids_in_a_blob_are_those_of_blobs_of_their_own() {
 
 /// One command bakes and another draws: what is between them is decided by the model.
 #[test]
-fn without_flags_the_grids_are_the_presets_own_or_for_colours_one_of_boxes() {
+fn without_flags_the_grids_are_the_presets_own_and_colours_are_materials() {
     let folder = folder();
     let at = folder.path();
-    let grids = |model: &str, flags: &[&str]| -> Vec<(u64, bool)> {
+    // Cells, and bits of the offset and of the material.
+    let grids = |model: &str, flags: &[&str]| -> Vec<(u64, u64, u64)> {
         let command = [&["bake", model, "-o", "o.rho", "--json"], flags].concat();
         let grids = json(&rho(at, &command))["grids"].clone();
         let grids = grids.as_array().unwrap().iter();
         grids
             .map(|grid| {
                 let cells = grid["cells"].as_array().unwrap().last().unwrap();
-                let cells = cells.as_u64().unwrap();
-                (cells, grid["layout"]["offset"] == 3)
+                let bits = |field| grid["layout"][field].as_u64().unwrap();
+                (cells.as_u64().unwrap(), bits("offset"), bits("material"))
             })
             .collect()
     };
-    let discs = [(54, true), (81, true), (108, true), (162, true)];
+    let cells = [48, 54, 81, 108, 162];
+    let discs = cells.map(|cells| (cells, 3, 0));
     assert_eq!(grids("t.obj", &[]), discs);
-    assert_eq!(grids("t.obj", &["--flash", "100K"]), discs[..2]);
-    assert_eq!(grids("teapot", &[]), [(243, false)]);
+    assert_eq!(grids("t.obj", &["--flash", "100K"]), discs[..3]);
+    assert_eq!(grids("teapot", &[]), cells.map(|cells| (cells, 2, 3)));
     assert_eq!(grids("teapot", &["--white"]), discs);
 }
 
@@ -301,7 +303,7 @@ fn flash_that_is_too_small_says_what_could_be() {
     let at = folder.path();
     std::fs::write(at.join("o.rho"), "as it was").unwrap();
     let error = refused(at, &["bake", "t.obj", "-o", "o.rho", "--flash", "400"]);
-    assert!(error.contains("(54 cells an axis)"), "{error}");
+    assert!(error.contains("(48 cells an axis)"), "{error}");
     assert!(error.contains("does not fit by"), "{error}");
     assert!(error.contains("needs at least"), "{error}");
     let one = [
@@ -659,7 +661,7 @@ fn a_frame_has_the_same_pixels_as_its_numbers_say() {
     assert_eq!(drawn["reciprocal"], "divide");
     assert_eq!(
         (&drawn["frame"], &drawn["grid"]),
-        (&"words".into(), &3.into())
+        (&"words".into(), &4.into())
     );
     assert_eq!(drawn["cell_size"], 1.5);
     let depth = host_tools::depth::Depth::read(&at.join("d.png")).unwrap();

@@ -13,6 +13,8 @@ use host_tools::render::render;
 use host_tools::sampling::{Sampling, Separation, Tree};
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use proptest::prelude::*;
+use rho_grid::blob::facing::BACKS_BYTES;
+use rho_grid::blob::format::kind;
 use rho_grid::blob::{Blob, BlobError, Instance, Layout, Light, Material};
 use rho_grid::mode::Mode;
 use rho_grid::q::{PixelSize, Place, Rotation, Scale, Unit};
@@ -380,6 +382,32 @@ fn a_newer_version_is_refused_even_when_all_else_is_right() {
 }
 
 #[test]
+fn what_faces_away_is_told_of_all_nodes_of_a_grid_that_is_there_or_not_at_all() {
+    let known = sections(&small());
+    let blob = BlobFile::from_bytes(&small(), "small.rho");
+    let grid = blob.blob().unwrap().grid(0).unwrap();
+    assert!(grid.backs().is_none());
+    let bytes = BACKS_BYTES + 2 * (grid.nodes() - grid.leaf_samples()) as usize;
+    let refused = Err(BlobError::Section { kind: kind::FACING });
+    for (more, expected) in [
+        (vec![(0, bytes)], Ok(())),
+        (vec![(0, bytes - 2)], refused),
+        (vec![(0, bytes + 2)], refused),
+        (vec![(0, bytes - 1)], refused),
+        (vec![(0, BACKS_BYTES - 4)], refused),
+        (vec![(0, bytes), (0, bytes)], refused),
+        (vec![(7, bytes)], refused),
+    ] {
+        let more: Vec<_> = more
+            .iter()
+            .map(|(grid, bytes)| (kind::FACING, *grid, vec![0; *bytes]))
+            .collect();
+        let all = [&known[..], &more].concat();
+        assert_eq!(parse(&assemble(&all)), expected, "{more:?}");
+    }
+}
+
+#[test]
 fn an_unknown_section_is_refused_unless_it_is_optional() {
     let known = sections(&small());
     for kind in [0, 10, 15, 0x7FFF] {
@@ -389,7 +417,7 @@ fn an_unknown_section_is_refused_unless_it_is_optional() {
             Err(BlobError::UnknownSection { kind })
         );
     }
-    for kind in [0x8000, 0x8002, 0xFFFF] {
+    for kind in [0x8000, 0x8003, 0xFFFF] {
         for at in 0..=known.len() {
             let mut all = known.clone();
             all.insert(at, (kind, 7, vec![9; 5]));

@@ -171,7 +171,7 @@ fn host_and_device_draw_the_same_bits_in_every_mode_from_everywhere() {
 #[test]
 fn host_and_device_draw_the_same_bits_by_every_preset_from_everywhere() {
     firmware();
-    // Grids of discs; and a model in colours, which is drawn in boxes.
+    // Words with an offset; and with a material as well.
     let teapot = standard("teapot");
     let mut cases = Vec::new();
     for (name, blob) in [("the bunny", standard_bunny()), ("the teapot", &teapot)] {
@@ -197,7 +197,7 @@ fn host_and_device_draw_the_same_bits_by_every_preset_from_everywhere() {
     };
     assert_eq!(
         grids(standard_bunny()),
-        [0, 1, 2, 3],
+        [0, 1, 2, 3, 4],
         "each serves some view"
     );
     all_the_same(&cases);

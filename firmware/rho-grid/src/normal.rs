@@ -11,6 +11,8 @@ use crate::q::Unit;
 pub const BITS: u32 = 13;
 /// Number of normals.
 pub const COUNT: usize = 1 << BITS;
+/// Classes by which normals are drawn have so many bits less: a face two refinements above.
+pub const CLASS_SHIFT: u32 = 4;
 /// Normals of an octant.
 pub const OCTANT: usize = COUNT / 8;
 

@@ -133,15 +133,16 @@ impl<'g> Instances<'_, 'g> {
         });
     }
 
-    /// Draws all, each in its turn. A frame of tones is filled; of a band of quarters `rows` tells
-    /// which it has.
+    /// Draws all, each in its turn; returns the pixels that they may reach. A frame of tones is filled;
+    /// of a band of quarters `rows` tells which it has.
     pub(crate) fn draw<M: Modes, C: Counter, const STRIDE: usize, const SPAN: usize>(
         &mut self,
         frame: &mut Tones<'_, STRIDE, SPAN>,
         rows: Option<&Range<u16>>,
         watch: &mut Stopwatch<'_, C>,
-    ) -> Result<(), ModelError> {
-        let mut reach: Option<Rect> = None;
+    ) -> Result<Option<Rect>, ModelError> {
+        let (mut reach, mut all): (Option<Rect>, Option<Rect>) = (None, None);
+        let with = |all: Option<Rect>, more| all.into_iter().chain(more).reduce(Rect::with);
         for turn in self.arrangement.turns() {
             let Some(placed) = self.placed(*turn, watch)? else {
                 continue;
@@ -165,7 +166,7 @@ impl<'g> Instances<'_, 'g> {
                     }
                 }
             })?;
-            reach = reach.into_iter().chain(drawn).reduce(Rect::with);
+            (reach, all) = (with(reach, drawn), with(all, drawn));
             // Holes are closed before what is behind shows through them.
             if turn.is_last
                 && let Some(reach) = reach.take().filter(|_| rows.is_none())
@@ -173,7 +174,7 @@ impl<'g> Instances<'_, 'g> {
                 watch.time(Phase::Fill, || frame.fill(reach));
             }
         }
-        Ok(())
+        Ok(all)
     }
 
     /// The instance whose turn it is, its tables made; `None` when it is too far away.

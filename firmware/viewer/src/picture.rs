@@ -279,8 +279,10 @@ impl<'a> Model<'a> {
                     PanelQuarters::band(tones, 2 * camera.width, rows.clone())
                 })
                 .ok_or(ModelError::TooLarge)?;
-            instances.draw::<Preset<true>, _, _, _>(&mut band, Some(&rows), watch)?;
-            watch.time(Phase::Fill, || blend.rows(&band, words, camera.width));
+            let reach = instances.draw::<Preset<true>, _, _, _>(&mut band, Some(&rows), watch)?;
+            watch.time(Phase::Fill, || {
+                blend.rows(&band, words, camera.width, reach);
+            });
         }
         Ok(())
     }

@@ -93,8 +93,11 @@ impl Painter for Strips {
                         PanelQuarters::band(tones, 2 * camera.width, rows.clone())
                     })
                     .ok_or(ModelError::TooLarge)?;
-                instances.draw::<Preset<false>, _, _, _>(&mut band, Some(&rows), watch)?;
-                watch.time(Phase::Fill, || blend.rows(&band, strip, camera.width));
+                let reach =
+                    instances.draw::<Preset<false>, _, _, _>(&mut band, Some(&rows), watch)?;
+                watch.time(Phase::Fill, || {
+                    blend.rows(&band, strip, camera.width, reach);
+                });
                 watch.time(Phase::Send, || give(strip))?;
             }
             return Ok(());

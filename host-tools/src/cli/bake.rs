@@ -30,10 +30,10 @@ Examples:
   rho bake scan.obj -o scan.rho --flash 512K --up z
   gunzip -c bunny.ply.gz | rho bake - -o - --subdivisions 4 > bunny.rho
 
-Without a flag of the grid the blob holds what the presets of run and render choose among: four
-grids of 54, 81, 108 and 162 cells an axis, thin, with offsets, without intermediate samples; of a
-model in several colours one grid of 243 cells, with materials. --flash alone takes as many of
-them as fit, the coarser ones first; of a model in several colours the finest grid that fits.
+Without a flag of the grid the blob holds what the presets of run and render choose among: five
+grids of 48, 54, 81, 108 and 162 cells an axis, thin, with offsets, without intermediate samples; of a
+model in several colours with materials, too. --flash alone takes as many of them as fit, the
+coarser ones first.
 
 Any other flag of the grid asks for one grid, by --rho 3 --subdivisions 5 where it says nothing
 else. --rho N is the subdivision of every level, and --subdivisions says how many there are. With

@@ -208,6 +208,7 @@ mod tests {
             offset: 0.0,
             colour: [255; 3],
             mean: [255; 3],
+            two_sided: false,
         };
         let level = |masks: &[u128]| TreeLevel {
             samples: vec![sample],
@@ -216,6 +217,7 @@ mod tests {
         let tree = Tree {
             sequence: vec![2],
             separation: Separation::TwentySix,
+            rims: None,
             levels: vec![level(&[1]), level(&[])],
         };
         let encoding = Encoding {

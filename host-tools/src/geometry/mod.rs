@@ -23,6 +23,7 @@ mod implicit;
 pub mod patch;
 pub mod portion;
 pub mod procedural;
+mod rim;
 pub mod shapes;
 pub mod sponge;
 pub mod teapot;
@@ -33,6 +34,7 @@ pub mod triangles;
 mod tube;
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -52,6 +54,15 @@ pub struct Sample {
     pub normal: DVec3,
     /// sRGB; [`WHITE`] where the object has no colours.
     pub colour: [u8; 3],
+}
+
+/// A place on an edge where a surface ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rim {
+    /// In the cube.
+    pub at: DVec3,
+    /// The area of the opening round which the edge goes, as a vector: towards where backs are seen from.
+    pub opens: DVec3,
 }
 
 /// An object made of primitives, in cube units: all of it lies in the cube of side 1 centred
@@ -93,6 +104,14 @@ pub trait Geometry: Sync {
     /// A plane meets |nx| + |ny| + |nz| cells an area of one cell's face, and crosses
     /// max(|nx|, |ny|, |nz|) of them: so the number of leaves is foreseen.
     fn weighted_area(&self, weight: fn(DVec3) -> f64) -> f64;
+
+    /// Places along the edges where the surface ends; `None` when they are not known. Cracks are left
+    /// out.
+    ///
+    /// Of a surface without any no back is seen, and of another none from where no edge is.
+    fn rims(&self) -> Option<Arc<[Rim]>> {
+        None
+    }
 
     /// The object as triangles, fine enough to serve as the truth that pictures are held
     /// against.

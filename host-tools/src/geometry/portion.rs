@@ -25,6 +25,8 @@ pub struct Portion {
     pub colour: [u8; 3],
     /// The mean of the colours times `area`.
     pub tint: Vec3,
+    /// Whether some of the surface faces the other way.
+    pub two_sided: bool,
 }
 
 impl Portion {
@@ -38,6 +40,7 @@ impl Portion {
             largest: area,
             colour: sample.colour,
             tint: area * Vec3::from_array(sample.colour.map(f32::from)),
+            two_sided: false,
         }
     }
 
@@ -62,6 +65,7 @@ impl Portion {
             largest,
             colour,
             tint: self.tint + other.tint,
+            two_sided: self.two_sided,
         }
     }
 
@@ -110,17 +114,28 @@ impl Portion {
     /// All parts together, or, where they fold, those that face as the one nearest the
     /// cell's centre does. Parts have an area.
     pub fn sum(parts: impl Iterator<Item = Self> + Clone) -> Self {
+        /// Of the area, from which on what faces the other way counts.
+        const OPPOSED: f32 = 0.1;
         let whole = parts.clone().fold(Self::default(), Self::with);
+        let opposed = parts
+            .clone()
+            .filter(|part| part.normal.dot(whole.normal) < 0.0);
+        let opposed: f32 = opposed.map(|part| part.area).sum();
+        let two_sided = opposed > OPPOSED * whole.area || parts.clone().any(|part| part.two_sided);
         if !whole.folds() {
-            return whole;
+            return Self { two_sided, ..whole };
         }
         let nearest = parts
             .clone()
             .min_by(|a, b| a.distance().total_cmp(&b.distance()))
             .unwrap_or_default();
-        parts
+        let facing = parts
             .filter(|part| part.normal.dot(nearest.normal) > 0.0)
-            .fold(Self::default(), Self::with)
+            .fold(Self::default(), Self::with);
+        Self {
+            two_sided: true,
+            ..facing
+        }
     }
 }
 
@@ -161,6 +176,7 @@ mod tests {
             largest: area,
             colour: WHITE,
             tint: area * Vec3::splat(255.0),
+            two_sided: false,
         }
     }
 
@@ -178,6 +194,10 @@ mod tests {
     fn of_two_sheets_the_nearer_speaks() {
         let near = part(0.5, 0.1 * Vec3::Y, Vec3::Y);
         let far = part(0.6, -0.4 * Vec3::Y, -Vec3::Y);
+        let near = Portion {
+            two_sided: true,
+            ..near
+        };
         assert_eq!(Portion::sum([far, near].into_iter()), near);
         assert_eq!(Portion::sum([near, far].into_iter()), near);
     }

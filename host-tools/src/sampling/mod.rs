@@ -127,6 +127,7 @@ impl Sampling {
         Ok(Tree {
             sequence: self.sequence.as_slice().to_vec(),
             separation: self.separation,
+            rims: None,
             levels: blend::levels(self.sequence.as_slice(), masks, leaves),
         })
     }

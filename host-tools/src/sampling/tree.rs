@@ -2,10 +2,12 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use glam::Vec3;
 
 use crate::failure::{Failure, Outcome};
+use crate::geometry::Rim;
 use crate::geometry::cells::MAX_RHO;
 
 /// The most cells an axis that a tree may have.
@@ -107,6 +109,8 @@ pub struct TreeSample {
     pub colour: [u8; 3],
     /// sRGB, the mean of the surface round the cell.
     pub mean: [u8; 3],
+    /// Some of the surface in the cell faces the other way: both sides of it may be seen.
+    pub two_sided: bool,
 }
 
 /// One level of a [`Tree`], breadth first.
@@ -136,6 +140,8 @@ pub struct Tree {
     pub sequence: Vec<u8>,
     /// Which cells are leaves.
     pub separation: Separation,
+    /// Places along the surface's edges; `None` when they are not known, as after sampling.
+    pub rims: Option<Arc<[Rim]>>,
     /// One more than `sequence` has: first the root alone, last the leaves.
     pub levels: Vec<TreeLevel>,
 }

@@ -278,6 +278,7 @@ fn sample(
             progress.leaves.store(0, Ordering::Relaxed);
             progress.expected.store(expected, Ordering::Relaxed);
             let mut trees = Vec::new();
+            let rims = geometry.rims();
             for sequence in sequences {
                 // Finer ones would never be chosen (`rho_grid::mode::choose`).
                 let most = sequences.iter().map(Sequence::cells).max().unwrap_or(0);
@@ -292,6 +293,7 @@ fn sample(
                             message: format!("{}: {}", part.name(), failure.message),
                             ..failure
                         })?;
+                tree.rims.clone_from(&rims);
                 if samples == SampleChoice::Leaves {
                     tree.drop_intermediate_samples();
                 }

@@ -65,6 +65,8 @@ pub mod kind {
     pub const CAMERA: u16 = 9;
     /// Where the blob comes from, as text.
     pub const ORIGIN: u16 = 0x8001;
+    /// What of a grid faces away from where.
+    pub const FACING: u16 = 0x8002;
 }
 
 /// The CRC-32 of headers and pages, that of IEEE 802.3 (one table of 1 kB).

@@ -1,5 +1,6 @@
 //! One rho-grid of a blob: levels of nodes, their masks, children and attribute words.
 
+use super::facing::{BACKS_BYTES, Backs};
 use super::format::{
     BASE_NODES, GRID_BYTES, MAX_CELLS, MAX_SUBDIVISIONS, children_words, kind, mask_words,
 };
@@ -20,6 +21,7 @@ pub struct Grid<'a> {
     nodes: u32,
     leaves: u32,
     attributes: Attributes<'a>,
+    backs: Option<Backs<'a>>,
 }
 
 /// Attribute words, breadth first.
@@ -60,6 +62,8 @@ pub struct Level<'a> {
     pub(crate) masks: &'a [u32],
     pub(crate) bases: &'a [u32],
     pub(crate) offsets: &'a [u16],
+    /// The cone of each node ([`super::facing`]); none of a grid that does not tell.
+    pub(crate) cones: &'a [u16],
 }
 
 impl<'a> Level<'a> {
@@ -184,6 +188,12 @@ impl<'a> Grid<'a> {
             .product()
     }
 
+    /// From where backs of its samples show; `None` when the blob does not tell: from anywhere.
+    #[must_use]
+    pub fn backs(&self) -> Option<Backs<'a>> {
+        self.backs
+    }
+
     /// Finds the parts of grid `index`; lengths are checked, contents are not.
     pub(super) fn view(blob: &Blob<'a>, index: u16) -> Result<Self, BlobError> {
         let head = blob.required(kind::GRID, index)?;
@@ -215,6 +225,18 @@ impl<'a> Grid<'a> {
         let mut masks = blob.words(kind::MASKS, index)?;
         let mut children = blob.words(kind::CHILDREN, index)?;
         let short = |kind| BlobError::Section { kind };
+        let facing = blob.find(kind::FACING, index);
+        let parts = facing.map(|bytes| bytes.split_at_checked(BACKS_BYTES));
+        let parts = parts
+            .map(|parts| parts.ok_or(short(kind::FACING)))
+            .transpose()?;
+        let (backs, mut cones) = match parts {
+            Some((backs, cones)) => {
+                let cones = bytemuck::try_cast_slice(cones);
+                (Some(Backs(backs)), cones.map_err(|_| short(kind::FACING))?)
+            }
+            None => (None, &[][..]),
+        };
 
         let mut levels = [Level::default(); MAX_SUBDIVISIONS];
         let mut cells = 1;
@@ -244,6 +266,13 @@ impl<'a> Grid<'a> {
                 .split_at_checked(n.div_ceil(BASE_NODES))
                 .ok_or(short(kind::CHILDREN))?;
             let offsets: &[u16] = bytemuck::cast_slice(offsets);
+            let these_cones = if backs.is_some() {
+                let (these, rest) = cones.split_at_checked(n).ok_or(short(kind::FACING))?;
+                cones = rest;
+                these
+            } else {
+                &[]
+            };
             *level = Level {
                 rho,
                 nodes,
@@ -251,6 +280,7 @@ impl<'a> Grid<'a> {
                 masks: these,
                 bases,
                 offsets: offsets.get(..n).unwrap_or_default(),
+                cones: these_cones,
             };
             inner = inner
                 .checked_add(nodes)
@@ -272,6 +302,9 @@ impl<'a> Grid<'a> {
         if !children.is_empty() {
             return Err(short(kind::CHILDREN));
         }
+        if !cones.is_empty() {
+            return Err(short(kind::FACING));
+        }
         if first.checked_add(leaves) != Some(attributes.len() as u32)
             || leaves == 0
             || count(0) != 1
@@ -289,6 +322,7 @@ impl<'a> Grid<'a> {
                 .ok_or(BlobError::Section { kind: kind::GRID })?,
             leaves,
             attributes,
+            backs,
         })
     }
 

@@ -7,6 +7,7 @@
 //! can fail. SPEC.md has the bytes.
 
 pub mod error;
+pub mod facing;
 pub mod format;
 mod grid;
 pub mod layout;
@@ -256,13 +257,10 @@ impl<'a> Blob<'a> {
 
     /// Each part of a grid belongs to one that is there, and no section is there twice.
     fn check_owners(&self) -> Result<(), BlobError> {
-        let known = kind::GRID..=kind::CAMERA;
-        for section in self.sections().filter(|s| known.contains(&s.kind)) {
-            let owners = if section.kind >= kind::MATERIALS {
-                1
-            } else {
-                self.grids
-            };
+        let known = |kind| (kind::GRID..=kind::CAMERA).contains(&kind) || kind == kind::FACING;
+        for section in self.sections().filter(|s| known(s.kind)) {
+            let of_blob = (kind::MATERIALS..=kind::CAMERA).contains(&section.kind);
+            let owners = if of_blob { 1 } else { self.grids };
             let same = |s: &Section<'_>| (s.kind, s.grid) == (section.kind, section.grid);
             if section.grid >= owners || self.sections().filter(same).count() != 1 {
                 return Err(BlobError::Section { kind: section.kind });

@@ -44,6 +44,8 @@ pub(super) struct OverW {
     factor: i32,
     /// k - n, 0 to 31.
     shift: u32,
+    /// n, at most 30.
+    zeros: u32,
 }
 
 impl OverW {
@@ -55,6 +57,7 @@ impl OverW {
         Self {
             factor: factor as i32,
             shift: k.wrapping_sub(n) & 31,
+            zeros: n & 31,
         }
     }
 
@@ -62,6 +65,18 @@ impl OverW {
     #[inline(always)]
     pub(super) fn times(self, v: i32) -> i32 {
         (((i64::from(v) * i64::from(self.factor)) >> 32) as i32) >> self.shift
+    }
+
+    /// Of a W below half of this one: v / W in Q24, rounded down.
+    #[inline(always)]
+    pub(super) fn times_itself_q24(self, v: i32) -> i32 {
+        let high = ((i64::from(v) * i64::from(self.factor)) >> 32) as i32;
+        let n = self.zeros;
+        if n <= 6 {
+            high >> (6 - n)
+        } else {
+            high << (n - 6)
+        }
     }
 
     /// v / W in Q16, rounded down; of lengths below 2^14 pixels.

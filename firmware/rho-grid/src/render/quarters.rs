@@ -14,7 +14,8 @@
 
 use core::ops::Range;
 
-use super::tones::{Tones, tone_words};
+use super::tones::{COVERED, Tones, tone_words};
+use super::visibility::{Canvas, Rect};
 use crate::camera::Camera;
 use crate::shading::{Addend, Palette};
 
@@ -65,43 +66,94 @@ impl Blend {
     }
 
     /// The pixels of a band, RGB565, into `words`, the frame from the band's first row on: `width`
-    /// a row, half of the band's. Each is the mean of its four quarters.
+    /// a row, half of the band's. Each is the mean of its four quarters, of those that
+    /// [`Tones::quarters`] counts as covered. Nothing is drawn beyond `reach`, in quarters of the frame.
     pub fn rows<const STRIDE: usize, const SPAN: usize>(
         &self,
         band: &Tones<'_, STRIDE, SPAN>,
         words: &mut [u16],
         width: u16,
+        reach: Option<Rect>,
     ) {
-        let mut rows = band.rows();
-        for words in words.chunks_exact_mut(usize::from(width).max(1)) {
-            let (Some(upper), Some(lower)) = (rows.next(), rows.next()) else {
+        let background = Addend::mean([self.of(0); 4]);
+        let columns = reach.map_or(0..0, |r| r.x0 as usize / 4..r.x1 as usize / 4 + 1);
+        let reached = reach.map_or(0..0, |r| r.y0 / 2..r.y1 / 2 + 1);
+        let rows = words.chunks_exact_mut(usize::from(width).max(1));
+        for (y, words) in (0..).zip(rows) {
+            let (Some(upper), Some(lower)) = (band.row(2 * y), band.row(2 * y + 1)) else {
                 return;
             };
-            self.row(upper, lower, words);
+            if !reached.contains(&(band.first_row() / 2 + y as u32)) {
+                words.fill(background);
+                continue;
+            }
+            self.row(upper, lower, words, columns.clone(), |x| {
+                band.quarters(x, y) == 4
+            });
         }
     }
 
-    /// A row of pixels.
+    /// A row of pixels, of which only these pairs are not open. `is_gap` tells whether a pixel that is
+    /// covered in part counts as whole.
     #[inline(never)]
-    fn row(&self, upper: &[u8], lower: &[u8], words: &mut [u16]) {
-        let (upper, _) = upper.as_chunks::<4>();
-        let (lower, _) = lower.as_chunks::<4>();
-        let (pairs, _) = words.as_chunks_mut::<2>();
+    fn row(
+        &self,
+        upper: &[u8],
+        lower: &[u8],
+        words: &mut [u16],
+        columns: Range<usize>,
+        is_gap: impl Fn(i32) -> bool,
+    ) {
+        let (upper, lower) = (upper.as_chunks().0, lower.as_chunks().0);
         let background = Addend::mean([self.of(0); 4]);
-        for ((upper, lower), words) in upper.iter().zip(lower).zip(pairs) {
-            let (a, b) = (u32::from_le_bytes(*upper), u32::from_le_bytes(*lower));
-            if a | b == 0 {
-                *words = [background; 2];
-                continue;
-            }
-            let pair = |shift: u32| {
-                let at = |word: u32, byte: u32| self.of((word >> byte) & 255);
-                let upper = [at(a, shift), at(a, shift + 8)];
-                let lower = [at(b, shift), at(b, shift + 8)];
-                Addend::mean([upper[0], upper[1], lower[0], lower[1]])
-            };
-            *words = [pair(0), pair(16)];
+        let (pairs, rest) = words.as_chunks_mut::<2>();
+        let part =
+            |n: usize, quarters| self.pair_in_part(quarters, |right| is_gap(2 * n as i32 + right));
+        if let ([word], Some(upper), Some(lower)) =
+            (rest, upper.get(pairs.len()), lower.get(pairs.len()))
+        {
+            [*word, _] = part(pairs.len(), [*upper, *lower].map(u32::from_le_bytes));
         }
+        let end = columns.end.min(pairs.len());
+        let first = columns.start.min(end);
+        let (before, reached) = pairs.split_at_mut(first);
+        let (reached, after) = reached.split_at_mut(end - first);
+        before.fill([background; 2]);
+        after.fill([background; 2]);
+        let [upper, lower] = [upper, lower].map(|row| row.get(first..end).unwrap_or_default());
+        let reached = reached.iter_mut().zip(upper).zip(lower);
+        for (n, ((pair, upper), lower)) in (first..).zip(reached) {
+            let (a, b) = (u32::from_le_bytes(*upper), u32::from_le_bytes(*lower));
+            *pair = if a | b == 0 {
+                [background; 2]
+            } else if a & b & COVERED == COVERED {
+                [self.pixel(a, b), self.pixel(a >> 16, b >> 16)]
+            } else {
+                part(n, [a, b])
+            };
+        }
+    }
+
+    /// The mean of the two quarters in the lower halves of `upper` and `lower`.
+    #[inline(always)]
+    fn pixel(&self, upper: u32, lower: u32) -> u16 {
+        let at = |word: u32| self.of(word & 255);
+        Addend::mean([at(upper), at(upper >> 8), at(lower), at(lower >> 8)])
+    }
+
+    /// Two pixels of which some quarters are open.
+    #[inline(never)]
+    fn pair_in_part(&self, [a, b]: [u32; 2], is_gap: impl Fn(i32) -> bool) -> [u16; 2] {
+        [0, 1].map(|right| {
+            let (upper, lower) = (a >> (16 * right), b >> (16 * right));
+            let tones = [upper, upper >> 8, lower, lower >> 8].map(|tone| tone & 255);
+            let covered = tones.into_iter().find(|tone| tone & 1 == 1);
+            let open = match covered {
+                Some(tone) if tones.iter().any(|tone| tone & 1 == 0) && is_gap(right) => tone,
+                _ => 0,
+            };
+            Addend::mean(tones.map(|tone| self.of(if tone & 1 == 1 { tone } else { open })))
+        })
     }
 
     #[inline(always)]

@@ -16,7 +16,7 @@
 use super::visibility::{Canvas, Rect, Shape, Stamp, Visibility};
 
 /// The lowest bit of each of four pixels.
-const COVERED: u32 = 0x0101_0101;
+pub(super) const COVERED: u32 = 0x0101_0101;
 
 /// A frame of tones, `STRIDE` bytes from row to row, for pictures at most so wide: a multiple of 4, so
 /// that four pixels which are filled together lie in one row. `SPAN` is `3 * STRIDE + 4`: from the
@@ -76,8 +76,8 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     /// Covers each open pixel that has three or four covered neighbours with the tone of the one
     /// to its left, or else to its right: what no disc reached between discs that hardly touch.
     ///
-    /// Row by row from the top, so that a pixel just covered counts for the next one. Pixels at the
-    /// frame's edge are left, and so are four open ones together, the first a multiple of four.
+    /// Row by row from the top, so that a pixel just covered counts for the next one, and those to its
+    /// left and above it are looked at again. Pixels at the frame's edge are left, and so are four open ones together, the first a multiple of four.
     pub fn fill(&mut self, rect: Rect) {
         let y0 = (rect.y0 as i32).max(self.first + 1);
         let y1 = (rect.y1 as i32).min(self.first + i32::from(self.height) - 2);
@@ -85,14 +85,23 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
             return;
         }
         let end = self.at(0, y1 + 1);
-        let mut at = self.at(0, y0);
+        let start = self.at(0, y0);
+        let mut at = start;
         loop {
             at = self.next_to_fill(at, end);
             if at >= end {
                 return;
             }
             for pixel in at..at + 4 {
-                self.fill_one(pixel);
+                if self.fill_one(pixel) {
+                    let mut left = pixel - 1;
+                    while self.fill_one(left) {
+                        left -= 1;
+                    }
+                    if pixel >= start + STRIDE {
+                        self.fill_one(pixel - STRIDE);
+                    }
+                }
             }
             at += 4;
         }
@@ -127,19 +136,22 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
         ((neighbours + COVERED) >> 2) & COVERED & !here != 0
     }
 
-    fn fill_one(&mut self, at: usize) {
+    /// Whether the pixel was open and is now covered.
+    fn fill_one(&mut self, at: usize) -> bool {
         let x = (at - margin(STRIDE)) % STRIDE;
         let pixel = |at: usize| self.pixels.get(at).copied().unwrap_or(0);
         let (left, right) = (pixel(at - 1), pixel(at + 1));
         let (above, below) = (pixel(at - STRIDE), pixel(at + STRIDE));
         let around = (left & 1) + (right & 1) + (above & 1) + (below & 1);
         let inside = x > 0 && x + 1 < usize::from(self.width);
-        if pixel(at) & 1 == 0 && around >= 3 && inside {
+        let fill = pixel(at) & 1 == 0 && around >= 3 && inside;
+        if fill {
             let tone = if left & 1 == 1 { left } else { right };
             if let Some(pixel) = self.pixels.get_mut(at) {
                 *pixel = tone;
             }
         }
+        fill
     }
 
     /// The pixels, rows from the top.
@@ -150,6 +162,43 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
             .chunks(STRIDE)
             .take(self.height.into())
             .map(move |row| row.get(..width).unwrap_or_default())
+    }
+
+    /// Row `y` of those that are here, as long as rows are.
+    pub(super) fn row(&self, y: i32) -> Option<&[u8]> {
+        if y < 0 || y >= i32::from(self.height) {
+            return None;
+        }
+        let at = margin(STRIDE) + STRIDE * y as usize;
+        self.pixels.get(at..at + STRIDE)
+    }
+
+    /// Of quarters: how many of those of pixel (x, y), from the first one here, are covered. All are
+    /// where some are, and half of each neighbour's: a gap between discs. Beyond the frame and the band
+    /// nothing says that it is none.
+    #[must_use]
+    pub fn quarters(&self, x: i32, y: i32) -> u32 {
+        let count = |x: i32, y: i32| {
+            let within = 0..i32::from(self.width) / 2;
+            let (Some(upper), Some(lower)) = (self.row(2 * y), self.row(2 * y + 1)) else {
+                return 4;
+            };
+            if !within.contains(&x) {
+                return 4;
+            }
+            let covered = |row: &[u8]| {
+                let pair = row.get(2 * x as usize..).and_then(|row| row.first_chunk());
+                pair.map_or(0, |[a, b]: &[u8; 2]| u32::from((a & 1) + (b & 1)))
+            };
+            covered(upper) + covered(lower)
+        };
+        let own = count(x, y);
+        let beside = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
+        if own > 0 && beside.iter().all(|(x, y)| count(*x, *y) >= 2) {
+            4
+        } else {
+            own
+        }
     }
 
     /// Covers what is open of `count` pixels from `at` on.
@@ -431,6 +480,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
 #[cfg(test)]
 mod tests {
     use super::*;
+    extern crate std;
 
     type Small<'a> = Tones<'a, 12, 40>;
 
@@ -492,6 +542,65 @@ mod tests {
             .map(|t| usize::from(t & 1))
             .sum();
         assert_eq!(covered, 9);
+    }
+
+    /// A frame of 12 x 6 in which all but these are covered.
+    fn all_but<'a>(buffer: &'a mut [u32], open: &[(u32, u32)]) -> Small<'a> {
+        let mut tones = Small::cleared(buffer, 12, 6).unwrap();
+        for (x, y) in (0..12).flat_map(|x| (0..6).map(move |y| (x, y))) {
+            if !open.contains(&(x, y)) {
+                tones.paint(x, y, 5);
+            }
+        }
+        tones
+    }
+
+    fn open(tones: &Small<'_>) -> usize {
+        tones
+            .rows()
+            .flatten()
+            .filter(|tone| **tone & 1 == 0)
+            .count()
+    }
+
+    #[test]
+    fn what_is_filled_counts_for_what_is_left_of_it_and_above() {
+        let all = Rect {
+            x0: 0,
+            x1: 11,
+            y0: 0,
+            y1: 5,
+        };
+        let corner = [(5, 2), (6, 2), (5, 3)];
+        let mut buffer = [0; tone_words(12, 6)];
+        let mut tones = all_but(&mut buffer, &corner);
+        tones.fill(all);
+        assert_eq!(open(&tones), 0);
+        let square = [(5, 2), (6, 2), (5, 3), (6, 3)];
+        let mut buffer = [0; tone_words(12, 6)];
+        let mut tones = all_but(&mut buffer, &square);
+        tones.fill(all);
+        assert_eq!(open(&tones), 4, "too large for a gap");
+    }
+
+    #[test]
+    fn a_pixel_of_quarters_counts_as_whole_in_a_gap_and_not_at_an_edge() {
+        let mut buffer = [0; tone_words(12, 6)];
+        let tones = all_but(&mut buffer, &[(4, 2), (5, 2), (4, 3), (3, 2)]);
+        assert_eq!(
+            tones.quarters(2, 1),
+            4,
+            "a quarter of itself, half of its neighbours"
+        );
+        assert_eq!(tones.quarters(1, 1), 3, "a quarter of one neighbour only");
+        let beyond: std::vec::Vec<(u32, u32)> =
+            (4..12).flat_map(|x| (0..6).map(move |y| (x, y))).collect();
+        let mut buffer = [0; tone_words(12, 6)];
+        let mut tones = all_but(&mut buffer, &beyond);
+        tones.paint(4, 2, 5);
+        assert_eq!(tones.quarters(2, 1), 1);
+        assert_eq!(tones.quarters(3, 1), 0);
+        assert_eq!(tones.quarters(0, 1), 4);
     }
 
     #[test]

@@ -183,6 +183,9 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
                 continue;
             };
             let child_level = level + 1;
+            if F::DISCS && !S::MEETS && self.faces_away(&cell, child_level) {
+                continue;
+            }
             let leaf = child_level == self.grid.subdivisions();
             if leaf || self.level(child_level).stop_w <= cell.centre.w {
                 let first = self.first(child_level);
@@ -203,6 +206,17 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         let node = parent.first_child + order::rank(&parent.mask, subcell);
         let place = [x + i, y + j, z + k];
         self.shading.meet_below(self.grid, level + 1, node, place);
+    }
+
+    /// Whether all samples of a cell of `level` face away, and no back shows.
+    #[inline(always)]
+    fn faces_away(&self, cell: &Cell, level: usize) -> bool {
+        if !self.view.no_backs {
+            return false;
+        }
+        let nodes = self.grid.levels().get(level);
+        let cone = nodes.and_then(|nodes| nodes.cones.get(cell.node as usize));
+        cone.is_some_and(|cone| self.view.faces_away(*cone, &cell.bounds))
     }
 
     /// Whether a cell of `level` that reaches these pixels is behind what is drawn.
@@ -512,10 +526,11 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         let steps = view.steps_at::<R>(inner, axis, w);
         let range = self.grid.layout().offset_range;
         let own = bounds.half_x.max(bounds.half_y);
-        let Some(stamps) = Stamps::new::<A>(view, range, &steps, axis, own, side) else {
+        let Some(stamps) =
+            Stamps::new::<A>(view, range, &steps, axis, own, side, inner.depth_steps())
+        else {
             return false;
         };
-        let stamps = stamps.deep(inner.depth_steps());
         // The eye's slab among all subcells, and among the parents.
         let eye = self.eye_slab(inner, cell.place.map(|p| p * rho), 3);
         let eye_of_parents = self.eye_slab(self.level(level + 1), cell.place, rho);

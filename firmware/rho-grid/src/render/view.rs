@@ -4,9 +4,10 @@
 //! one table a level, in homogeneous coordinates. The exponents of X, Y and of W are chosen here so
 //! that the whole cube stays below 2^29 and as near to it as possible: any camera uses all bits.
 
-use super::project::{Homogeneous, OverW, slack};
-use super::stamp::Classes;
+use super::project::{Bounds, Homogeneous, OverW, slack};
+use super::stamp::{Classes, Sight};
 use crate::blob::Grid;
+use crate::blob::facing::classes_apart;
 use crate::blob::format::MAX_SUBDIVISIONS;
 use crate::camera::{Camera, ViewError};
 use crate::q::PixelSize;
@@ -38,6 +39,8 @@ pub struct View {
     w_bits: u32,
     /// 2^17 over the focal length in pixels.
     over_focal: i32,
+    /// Whether no back of the grid's samples shows.
+    pub(super) no_backs: bool,
     /// Normals as the eye sees them; filled for grids whose samples have offsets.
     pub(super) classes: Classes,
 }
@@ -163,6 +166,7 @@ impl View {
             displacements: [Homogeneous::ZERO; MAX_DISPLACEMENTS],
             w_bits: 0,
             over_focal: 0,
+            no_backs: false,
             classes: Classes::empty(),
         }
     }
@@ -212,9 +216,8 @@ impl View {
         self.rows = (0, self.height);
         self.over_focal = i32::try_from((1 << 29) / focal).unwrap_or(i32::MAX);
         if grid.layout().offset > 0 {
-            // In a coarse grid neighbouring discs differ more than neighbouring normals.
-            let coarse = grid.cells(grid.subdivisions()) <= 40;
-            self.classes.turn(camera, if coarse { 4 } else { 1 });
+            let cells = grid.cells(grid.subdivisions());
+            self.classes.turn(camera, classes_apart(cells));
         }
         self.slack = slack(128 * self.width.max(self.height));
         self.root = Homogeneous {
@@ -229,6 +232,10 @@ impl View {
             let q50 = along(right) * tx + along(up) * ty + along(back) * tz;
             (1 << 29) - (q50 >> 20)
         });
+
+        // 4096 to a side, from the centre; a camera is at most some 2,000 sides away.
+        let from_centre = eye.map(|e| ((e - (1 << 29)) >> 18) as i32);
+        self.no_backs = grid.backs().is_some_and(|backs| !backs.show(from_centre));
 
         // Half the edges of the cube, in the units of X, Y and W with 32 bits after the point.
         let wide = |v: i64| v << 21u32.saturating_sub(drop) >> drop.saturating_sub(21);
@@ -289,6 +296,29 @@ impl View {
     #[inline(always)]
     pub(super) fn tangent(&self, x: i32) -> i32 {
         ((i64::from(x) * i64::from(self.over_focal)) >> 16) as i32
+    }
+
+    /// Whether all samples in `cone`, somewhere within `bounds` on the screen, face away.
+    #[inline(never)]
+    pub(super) fn faces_away(&self, cone: u16, bounds: &Bounds) -> bool {
+        let Bounds {
+            x,
+            y,
+            half_x,
+            half_y,
+        } = *bounds;
+        // One more, since tangents are rounded down.
+        let (dx, dy) = (self.tangent(half_x) + 1, self.tangent(half_y) + 1);
+        // Farther apart a cone would hardly hide, and a sum would not fit (`Sight::is_hidden`).
+        if dx.max(dy) > 160 {
+            return false;
+        }
+        let tx = self.tangent(x - (self.width << 7));
+        let ty = self.tangent(y - (self.height << 7));
+        let Some(wide) = Sight::new([tx.abs() + dx, ty.abs() + dy]) else {
+            return false;
+        };
+        wide.along([tx, ty]).is_hidden(cone, &self.classes, dx + dy)
     }
 
     /// The side of a cell of `level` at depth `w`, Q16.
@@ -441,11 +471,14 @@ impl View {
         w: i32,
     ) -> [Step; 3] {
         let over = OverW::new::<R>(w, self.k);
-        // Differences of points of the cube, so they fit.
-        let of = |e: i32, x: i32, w: i32| over.times_q16((i64::from(e) - self.per_w(x, w)) as i32);
-        let step = |e: &Homogeneous| Step {
-            x: 2 * of(e.x, x, e.w),
-            y: 2 * of(e.y, y, e.w),
+        let step = |e: &Homogeneous| {
+            // How much larger it is there, of what is 1 here, Q24; places have Q8.
+            let larger = i64::from(over.times_itself_q24(e.w));
+            let of = |e: i32, x: i32| over.times_q16(e) - ((i64::from(x) * larger) >> 16) as i32;
+            Step {
+                x: 2 * of(e.x, x),
+                y: 2 * of(e.y, y),
+            }
         };
         let [along_x, along_y, along_z] = &cells.half_edges;
         [step(along_x), step(along_y), step(along_z)]

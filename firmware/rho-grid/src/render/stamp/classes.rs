@@ -5,16 +5,12 @@
 
 use super::{entry, mask};
 use crate::camera::Camera;
-use crate::normal::{BITS, FACES};
+use crate::normal::{BITS, CLASS_SHIFT, FACES};
 
-/// Bits of a class.
-const CLASS_BITS: u32 = 9;
 /// Number of classes.
-pub(super) const CLASSES: usize = 1 << CLASS_BITS;
+pub(super) const CLASSES: usize = 1 << (BITS - CLASS_SHIFT);
 /// Classes of an octant.
 const FACES_A_OCTANT: usize = CLASSES / 8;
-/// Bits of a normal that its class does not tell.
-pub(super) const FINER: u32 = BITS - CLASS_BITS;
 
 /// `[65 (y + 32) + x + 32]`: the direction nearest to (x, y), 32 to the unit.
 #[allow(
@@ -64,7 +60,7 @@ impl Classes {
         let rotation = camera.rotation.map(|row| row.map(|v| v.to_bits() >> 16));
         let [right, up, back] = rotation;
         let down = up.map(|v| -v);
-        let faces = FACES.iter().step_by(every << FINER);
+        let faces = FACES.iter().step_by(every << CLASS_SHIFT);
         for (face, [x, y, z]) in (0..).step_by(every).zip(faces) {
             let [x, y, z] = [*x, *y, *z].map(i32::from);
             // Q28; the four sums of positive x, by the octant's two lower bits.
@@ -103,15 +99,28 @@ impl Classes {
         };
         let opposite = index ^ (CLASSES - FACES_A_OCTANT);
         for (first, class) in [(index, class), (opposite, facing_away)] {
+            if count == 1 {
+                // A loop would cost more than all else.
+                if let Some(slot) = self.0.get_mut(first) {
+                    *slot = class;
+                }
+                continue;
+            }
             let classes = self.0.get_mut(first..first + count);
             classes.unwrap_or_default().fill(class);
         }
     }
 
+    /// Class `index`, nine bits.
+    #[inline(always)]
+    pub(super) fn get(&self, index: u32) -> Class {
+        entry(&self.0, index)
+    }
+
     /// The class of the normal `index`.
     #[inline(always)]
     pub(super) fn of(&self, index: u32) -> Class {
-        entry(&self.0, index >> FINER)
+        self.get(index >> CLASS_SHIFT)
     }
 }
 
@@ -141,7 +150,7 @@ mod tests {
             let mut classes = Classes::empty();
             classes.turn(&camera, 1);
             let class = classes.of(index);
-            let n = normal(index >> FINER << FINER).map(|c| f64::from(c.to_bits()) / 16384.0);
+            let n = normal(index >> CLASS_SHIFT << CLASS_SHIFT).map(|c| f64::from(c.to_bits()) / 16384.0);
             let eye = rows.map(|r| r[0] * n[0] + r[1] * n[1] + r[2] * n[2]);
             let x = f64::from(class.across as i16);
             let y = (f64::from(class.across as i32) - x) / 65536.0;

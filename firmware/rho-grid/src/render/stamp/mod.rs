@@ -19,26 +19,31 @@
 //! pixel and a fortieth of the cosine; tests hold the masks to the exact disc
 //! ([`super::disc`]).
 //!
-//! A sample that faces away is drawn only where one of the eight pixels in its middle is open. On a
-//! closed surface none is, but for the order within a parent; on an open one its back shows.
+//! A sample that faces away is left, and so are at once all samples of a parent that face away, by its
+//! cone of normals, unless the blob says that backs show from where the eye is
+//! ([`crate::blob::facing`]), or that a cell holds both sides of a sheet. Then, and if it faces away by
+//! little, it is drawn where one of the eight pixels in its middle is open.
 
 mod classes;
 mod lists;
 mod mask;
+mod sight;
 #[cfg(rho_thumb)]
 mod thumb;
 #[cfg(rho_thumb)]
 pub(super) use thumb::{STRIDE, clear, is_covered, next_to_fill};
 
 pub(super) use classes::Classes;
+pub(super) use sight::Sight;
 
 use super::project::{Homogeneous, OverW};
 use super::view::{Step, View};
 use super::visibility::{Stamp, Visibility};
+use crate::blob::facing::TWO_SIDED;
 use crate::blob::{Layout, Level};
+use crate::normal::CLASS_SHIFT;
 use crate::reciprocal::Reciprocal;
 use crate::shading::Shade;
-use classes::FINER;
 use lists::{FIRST, Order};
 use mask::{Circle, Four, Round, Three, Two};
 
@@ -55,18 +60,23 @@ fn entry<T: Copy, const N: usize>(table: &[T; N], index: u32) -> T {
 /// A disc's radius in sides of its cell, times 256.
 const RADIUS: i32 = 230;
 
+/// What turns away by more than this, an eighth, is left. A sample stands for a part of the surface,
+/// not all of which faces as it does.
+const FAR_AWAY: i32 = -(1 << 27);
+
 /// What the samples of a block have in common.
 pub(super) struct Stamps<'v> {
-    /// Minus the tangents of the line of sight, 512 to the unit, y and x (the upper half).
-    sight: u32,
+    sight: Sight,
+    /// Whether backs may show, so that what faces away is not left at once.
+    backs: bool,
     /// The strip's half width in sixteenths of a pixel for a cosine of 1, times 4.
     breadth: u32,
     /// From a plane of cells to the next.
     along_z: u32,
     /// By offset step: 32nds of a pixel.
     offsets: [i8; 8],
-    /// From the middle of a plane of 3 x 3 cells to each, from entry [`FIRST`] on.
-    cells: [u32; 16],
+    /// From the middle of a plane of 3 x 3 cells to each.
+    cells: [u32; 9],
     /// Steps in W along x, y and z.
     depths: [i32; 3],
     classes: &'v Classes,
@@ -290,6 +300,12 @@ impl<'a, 'g, W> Parents<'a, 'g, W> {
         }
     }
 
+    /// The cone of parent `node`, if the blob tells.
+    #[inline(always)]
+    fn cone(&self, node: u32) -> Option<u16> {
+        self.level.cones.get(node as usize).copied()
+    }
+
     /// Adds the parent in `subcell` of the block, the `rank`th of the block's; its own subcells
     /// come in `order`.
     #[inline(always)]
@@ -350,7 +366,7 @@ const REACH: i32 = 32;
 
 impl<'v> Stamps<'v> {
     /// For a block whose centre is projected to (x, y) (Q8 from the axis) with half extents `own`
-    /// (Q8), and whose cells have a side of `side` and are `steps` apart (Q16); `None` when its
+    /// (Q8), and whose cells have a side of `side` and are `steps` (Q16), in W `depths` apart; `None` when its
     /// discs cannot be stamped: too large, seen too far from the axis, or of another layout.
     #[inline(always)]
     pub(super) fn new<F: Fields>(
@@ -360,6 +376,7 @@ impl<'v> Stamps<'v> {
         [x, y]: [i32; 2],
         own: i32,
         side: i32,
+        depths: [i32; 3],
     ) -> Option<Self> {
         // A side of 2.6 pixels has discs of 0.8 sides then: still no holes.
         if own > (REACH - 4) << 8 || side > 170_000 || view.width.min(view.height) < 64 {
@@ -367,9 +384,7 @@ impl<'v> Stamps<'v> {
         }
         let (tx, ty) = (view.tangent(x), view.tangent(y));
         let square = tx * tx + ty * ty;
-        if square > 1 << 17 {
-            return None;
-        }
+        let sight = Sight::new([tx, ty])?;
         // 1 / sqrt(1 + t^2) by its series, 256 to the unit; t^2 is at most a half.
         let t2 = square >> 10;
         let length = 256 - (t2 >> 1) + ((3 * t2 * t2) >> 11) - ((5 * t2 * t2 * t2) >> 20);
@@ -395,7 +410,8 @@ impl<'v> Stamps<'v> {
         let corner = |v: i32, side: i32| (((v >> 8) + (side >> 1)) - REACH).min(side - 64).max(-2);
         Some(Self {
             classes: &view.classes,
-            sight: (-ty as u32).wrapping_add((-tx as u32) << 16),
+            sight,
+            backs: !view.no_backs,
             circle,
             breadth,
             offsets: [
@@ -408,21 +424,15 @@ impl<'v> Stamps<'v> {
                 offset(6),
                 offset(7),
             ],
-            cells: [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0],
+            cells: [a, b, c, d, e, f, g, h, i],
             along_z,
-            depths: [0; 3],
+            depths,
             corner: (corner(x, view.width), corner(y, view.height)),
             size: (view.width, view.height),
         })
     }
 
-    /// With the steps in W from cell to cell along x, y, z, for those who ask for depths.
-    #[inline(always)]
-    pub(super) fn deep(self, depths: [i32; 3]) -> Self {
-        Self { depths, ..self }
-    }
-
-    /// From the middle of a plane of 3 x 3 cells to each, as [`Self::cells`] has places.
+    /// From the middle of a plane of 3 x 3 cells to each, from entry [`FIRST`] on.
     #[inline(always)]
     fn depths(&self) -> [i32; 16] {
         let [x, y, _] = self.depths;
@@ -481,6 +491,8 @@ impl<'v> Stamps<'v> {
         let (x, y) = self.origin(C::ROWS as i32);
         let mut tail = [F::Word::default(); 16];
         let depths = self.depths();
+        let [a, b, c, d, e, f, g, h, i] = self.cells;
+        let places = [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0];
         let [.., deep_z] = self.depths;
         for parent in parents.order.iter().take(parents.count) {
             let order = Order::from_bits(parent >> 16);
@@ -494,6 +506,11 @@ impl<'v> Stamps<'v> {
             let middle = at(centre.x, x).wrapping_add(at(centre.y, y) << 16);
 
             let node = parents.first + (parent & 255);
+            let cone = parents.cone(node).filter(|_| !self.backs);
+            if cone.is_some_and(|cone| self.sight.is_hidden(cone, self.classes, 0)) {
+                continue;
+            }
+            let two_sided = cone.is_none_or(|cone| u32::from(cone) & TWO_SIDED == TWO_SIDED);
             let [mask, ..] = parents.level.mask::<3>(node);
             let first = parents.level.first_child(node) as usize;
             let low = order.cells(mask);
@@ -529,10 +546,12 @@ impl<'v> Stamps<'v> {
                     words,
                     at,
                     w,
+                    places: &places,
                     depths: &depths,
                     corner,
                     light,
                     plane,
+                    two_sided,
                 };
                 let cells = cells.iter().take(count);
                 if order.is_backwards() {
@@ -560,13 +579,12 @@ impl<'v> Stamps<'v> {
             let offset = i32::from(entry(&self.offsets, F::offset(word)));
             let place = samples
                 .at
-                .wrapping_add(entry(&self.cells, cell))
+                .wrapping_add(entry(samples.places, cell))
                 .wrapping_add(class.across.wrapping_mul(offset as u32));
-            // The cosine, 2^30 to the unit.
-            let towards = class
-                .towards
-                .wrapping_add(class.across.wrapping_mul(self.sight))
-                as i32;
+            let towards = self.sight.towards(class);
+            if towards < FAR_AWAY && !samples.two_sided {
+                continue;
+            }
             let mask = || {
                 let cosine = u64::from(towards.unsigned_abs());
                 let half = ((cosine * u64::from(self.breadth)) >> 32) as u32;
@@ -599,6 +617,8 @@ struct Samples<'g, W> {
     /// The place of the middle cell.
     at: u32,
     w: i32,
+    /// From there to each cell's.
+    places: &'g [u32; 16],
     /// From there to each cell's W.
     depths: &'g [i32; 16],
     corner: u32,
@@ -606,6 +626,8 @@ struct Samples<'g, W> {
     light: Option<(u32, &'g [u32; 27])>,
     /// The number of the plane's first subcell.
     plane: u32,
+    /// Whether those that face away may show.
+    two_sided: bool,
 }
 
-const _: () = assert!(FINER == 4);
+const _: () = assert!(CLASS_SHIFT == 4);

@@ -13,7 +13,7 @@
 //! * *order*: `count` entries, at least one, made by [`Parents`].
 //! * *displacements*: an entry's subcell comes from a mask, which names subcells of the block's
 //!   division only ([`Grid`](crate::blob::Grid) again); [`stamp`] checks that all have theirs.
-//! * *masks, bases, offsets, words*: an entry's rank is below the number of the block's children;
+//! * *masks, cones, bases, offsets, words*: an entry's rank is below the number of the block's children;
 //!   [`Grid`](crate::blob::Grid) has proved that they, their children and the children's words exist.
 //!   Only words of children are read.
 //! * *lists*: nine bits of a mask times the size of a list; a list has as many entries as it says.
@@ -40,7 +40,8 @@ use core::mem::MaybeUninit;
 
 use super::lists::{FIRST, LISTS, Lists};
 use super::mask::{Direction, HALF_PLANES, WINDOWS};
-use super::{Circle, MAX_PARENTS, Parents, Stamps, classes};
+use super::{Circle, FAR_AWAY, MAX_PARENTS, Parents, Stamps, classes};
+use crate::blob::facing::{TWO_SIDED, WIDTH_BITS};
 use crate::normal::COUNT;
 use crate::render::project::Homogeneous;
 use crate::render::tones::{SPREAD, margin};
@@ -242,6 +243,12 @@ struct Block {
     band: *mut u8,
     /// 216: how many windows begin in it.
     windows: u32,
+    /// 220: by node, or null where backs show.
+    cones: *const u16,
+    /// 224.
+    step: i32,
+    /// 228: the width of the parent's cone.
+    width: u32,
 }
 
 /// What looking up a sample's shadow needs.
@@ -349,7 +356,6 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     // A window is as long as the margin.
     let windows = (pixels.len() + 1).saturating_sub(margin(stride)) as u32;
     let is_inside = band.is_some() || corner >= 0 && (last as usize) < pixels.len();
-    let [_, _, a, b, c, d, e, f, g, h, i, ..] = stamps.cells;
     let order = parents.order.get(..parents.count).unwrap_or_default();
     if !is_inside
         || stamps.breadth >= 1 << 8
@@ -373,8 +379,8 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     let order = order.as_ptr_range();
     let mut block = Block {
         offsets: stamps.offsets,
-        cells: [a, b, c, d, e, f, g, h, i],
-        sight: stamps.sight,
+        cells: stamps.cells,
+        sight: stamps.sight.tangents,
         breadth: stamps.breadth,
         directions: directions.as_ptr(),
         circle,
@@ -405,6 +411,12 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         light,
         band: pixels.as_mut_ptr(),
         windows,
+        cones: match parents.level.cones {
+            cones if stamps.backs || cones.is_empty() => core::ptr::null(),
+            cones => cones.as_ptr(),
+        },
+        step: stamps.sight.step,
+        width: TWO_SIDED,
     };
     // SAFETY: the module's argument; all that is pointed to is borrowed here.
     unsafe {
@@ -439,6 +451,9 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, planes) == 144);
     assert!(core::mem::offset_of!(Block, light) == 180);
     assert!(core::mem::offset_of!(Block, windows) == 216);
+    assert!(core::mem::offset_of!(Block, width) == 228);
+    assert!(FAR_AWAY == -0x0800_0000);
+    assert!(TWO_SIDED == 127 && WIDTH_BITS == 7);
     assert!(core::mem::offset_of!(InLight, cells) == 28);
     assert!(size_of::<Lists>() == 5120);
     // Subcells and ranks have a byte each.
@@ -594,6 +609,12 @@ global_asm!(
     "bne 1b",
     "ldr pc, [sp], #4",
     "3:", // it faces away
+    "ldr lr, [r0, #228]",
+    "cmp lr, #127",
+    "beq 7f",
+    "cmn r11, #0x08000000",
+    "blt 4b",
+    "7:",
     "ldr lr, [r10, #(\\rows / 2 * 240 * (1 + \\band))]",
     "mvn lr, lr",
     "tst lr, #0x01010101",
@@ -603,7 +624,7 @@ global_asm!(
     "tst lr, #0x01010101",
     "beq 4b",
     "5:",
-    "rsb r11, r11, #0",
+    "rsbs r11, r11, #0", // clears the carry: it is negative
     "b 2b",
     ".endm",
     // A plane: r1 its nine bits, r3 its place, r4 its words.
@@ -650,6 +671,24 @@ global_asm!(
     "10:",
     "ldr r12, [r1], #4", // order, subcell, rank
     "str r1, [r0, #132]",
+    "ldr r11, [r0, #128]",
+    "uxtb r1, r12",
+    "ldr r2, [r0, #220]",
+    "add r11, r11, r1", // the node
+    "cbz r2, 9f",
+    "ldrh r2, [r2, r11, lsl #1]", // its cone
+    "ldr lr, [r0, #44]",
+    "and r3, r2, #127",
+    "str r3, [r0, #228]",
+    "lsr r2, r2, #7",
+    "add r2, r5, r2, lsl #3",
+    "ldrd r8, r9, [r2]",
+    "mla r8, r8, lr, r9", // towards
+    "ldr r9, [r0, #224]",
+    "mul r9, r9, r3",
+    "cmn r8, r9",
+    "blt 12f", // all of it faces away
+    "9:",
     "ubfx r1, r12, #8, #8",
     ".if \\shaded",
     "ldr r2, [r0, #204]",
@@ -682,9 +721,7 @@ global_asm!(
     "ldr r3, [r0, #88]",
     "add r3, r3, r1, lsl #2",
     "add r3, r3, r2, lsl #18", // the middle plane's place
-    "ldr r1, [r0, #128]",
-    "uxtb r2, r12",
-    "add r1, r1, r2", // the node
+    "mov r1, r11",
     "add r2, r0, #112",
     "ldm r2, {{r8, r9, r10, r11}}",
     "ldr r8, [r8, r1, lsl #2]", // its mask
