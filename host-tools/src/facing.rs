@@ -38,13 +38,13 @@ pub struct Backs([[bool; PLACES]; DISTANCES.len()]);
 impl Backs {
     /// No back shows from anywhere: a closed surface.
     pub const NONE: Self = Self([[false; PLACES]; DISTANCES.len()]);
+
     /// Those of the finest of `trees`, which are the same thing; `None` when its edges are not known.
     #[must_use]
     pub fn of(trees: &[Tree]) -> Option<Self> {
         let cells = |tree: &&Tree| tree.sequence.iter().map(|r| u32::from(*r)).product::<u32>();
-        let finest = trees.iter().filter(|tree| cells(tree) <= FINEST);
-        let finest = finest.max_by_key(cells);
-        let tree = finest?;
+        let fine = trees.iter().filter(|tree| cells(tree) <= FINEST);
+        let tree = fine.max_by_key(cells)?;
         let rims = tree.rims.as_ref()?;
         Some(if rims.is_empty() {
             Self::NONE

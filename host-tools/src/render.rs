@@ -294,7 +294,6 @@ impl<'a> Stage<'a> {
         rows: Option<&Range<u16>>,
     ) -> Outcome<Option<Rect>> {
         let (mut reach, mut all): (Option<Rect>, Option<Rect>) = (None, None);
-        let with = |all: Option<Rect>, more| all.into_iter().chain(more).reduce(Rect::with);
         for turn in turns {
             let Some(placed) = self.placed(*turn)? else {
                 continue;
@@ -304,7 +303,8 @@ impl<'a> Stage<'a> {
             }
             tones.shade(self.blob, &placed, towards);
             let drawn = self.draw(*turn, &placed, &*tones, frame);
-            (reach, all) = (with(reach, drawn), with(all, drawn));
+            reach = Rect::of_both(reach, drawn);
+            all = Rect::of_both(all, drawn);
             if turn.is_last
                 && let Some(reach) = reach.take().filter(|_| rows.is_none())
             {

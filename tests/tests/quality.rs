@@ -110,7 +110,7 @@ fn the_presets_are_as_near_to_the_truth_as_they_were() {
         (
             StandardView::Far,
             [
-                (20.0, 22.5, 0.985),
+                (20.1, 22.5, 0.986),
                 (20.1, 24.0, 0.986),
                 (22.4, 26.5, 0.988),
                 (29.1, 31.2, 0.975),
@@ -174,6 +174,31 @@ fn the_presets_leave_no_holes_from_all_round() {
     assert!(holes.is_empty(), "{holes}");
 }
 
+/// Where an opening begins to show, so do backs: from about level round the bunny, whose base has holes.
+#[test]
+fn the_presets_leave_no_holes_where_openings_begin_to_show() {
+    let mut holes = String::new();
+    for (yaw, pitch) in (-15..15).flat_map(|yaw| [-9, -4, 0, 4, 9].map(|pitch| (12 * yaw, pitch))) {
+        for distance in [2.25, 4.5] {
+            let view = View {
+                yaw: yaw.into(),
+                pitch: pitch.into(),
+                distance,
+                ..StandardView::Near.into()
+            };
+            let truth = truth(view, 1);
+            for &preset in Preset::ALL {
+                let (drawn, cells) = by_preset(preset, &view);
+                let measured = judged(&drawn, &truth, cells);
+                if measured.holes > 0 {
+                    let _ = writeln!(holes, "{preset} {view:?}: {}", measured.holes);
+                }
+            }
+        }
+    }
+    assert!(holes.is_empty(), "{holes}");
+}
+
 /// Pixels that show what lies more than two cells behind the model there, and much darker or brighter:
 /// where discs leave one open, the far side of something thin covers it, and it is no hole.
 fn specks(drawn: &Drawn, truth: &Truth, cells: f64) -> usize {
@@ -200,7 +225,7 @@ fn the_presets_show_no_more_of_what_lies_behind_than_they_did() {
     let mut more = String::new();
     for (&preset, limit) in Preset::ALL
         .iter()
-        .zip([(25, 370), (15, 300), (16, 251), (14, 204)])
+        .zip([(20, 286), (15, 222), (16, 185), (14, 197)])
     {
         let of: Vec<usize> = truths
             .iter()

@@ -142,7 +142,6 @@ impl<'g> Instances<'_, 'g> {
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<Option<Rect>, ModelError> {
         let (mut reach, mut all): (Option<Rect>, Option<Rect>) = (None, None);
-        let with = |all: Option<Rect>, more| all.into_iter().chain(more).reduce(Rect::with);
         for turn in self.arrangement.turns() {
             let Some(placed) = self.placed(*turn, watch)? else {
                 continue;
@@ -166,7 +165,8 @@ impl<'g> Instances<'_, 'g> {
                     }
                 }
             })?;
-            (reach, all) = (with(reach, drawn), with(all, drawn));
+            reach = Rect::of_both(reach, drawn);
+            all = Rect::of_both(all, drawn);
             // Holes are closed before what is behind shows through them.
             if turn.is_last
                 && let Some(reach) = reach.take().filter(|_| rows.is_none())

@@ -109,6 +109,19 @@ impl<'a> Level<'a> {
     }
 }
 
+/// The layout in a grid's description.
+pub(super) fn layout(head: &[u8]) -> Layout {
+    let byte = |at: usize| head.get(at).copied().unwrap_or(0);
+    Layout {
+        word_bytes: byte(2),
+        normal: byte(3),
+        offset: byte(4),
+        material: byte(5),
+        colour: byte(6),
+        offset_range: byte(7),
+    }
+}
+
 impl<'a> Grid<'a> {
     /// How often the root is subdivided, 1 to 12; leaves are at this level.
     #[must_use]
@@ -202,14 +215,7 @@ impl<'a> Grid<'a> {
         }
         let byte = |at: usize| head.get(at).copied().unwrap_or(0);
         let subdivisions = usize::from(byte(0));
-        let layout = Layout {
-            word_bytes: byte(2),
-            normal: byte(3),
-            offset: byte(4),
-            material: byte(5),
-            colour: byte(6),
-            offset_range: byte(7),
-        };
+        let layout = layout(head);
         layout.check()?;
         if !layout.is_drawn() {
             return Err(BlobError::LayoutNotDrawn);

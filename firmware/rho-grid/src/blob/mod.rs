@@ -185,6 +185,13 @@ impl<'a> Blob<'a> {
         }
     }
 
+    /// The layouts of all grids: less work than [`Self::grids`].
+    pub fn layouts(&self) -> impl Iterator<Item = Layout> + use<'a> {
+        let blob = *self;
+        (0..self.grids)
+            .map(move |index| grid::layout(blob.find(kind::GRID, index).unwrap_or_default()))
+    }
+
     /// All grids, in the order of their indices: the same model in other cells, say.
     pub fn grids(&self) -> impl Iterator<Item = Grid<'a>> + use<'a> {
         let blob = *self;

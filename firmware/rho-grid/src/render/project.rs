@@ -128,5 +128,19 @@ mod tests {
             prop_assert!((f64::from(q) - exact).abs() <= f64::from(slack(q.abs())), "{q} {exact}");
             prop_assert_eq!(OverW::new::<Table>(w, k).times(v), q);
         }
+
+        #[test]
+        fn a_part_of_itself_is_within_two_steps_of_the_exact_one(
+            part in -0.5..0.5f64, w in 4..(1i32 << 30), k in 2..33u32
+        ) {
+            prop_assume!(w.leading_zeros() <= k && k - w.leading_zeros() < 32);
+            let v = (part * f64::from(w)) as i32;
+            let q = OverW::new::<Divide>(w, k).times_itself_q24(v);
+            let exact = f64::from(v) / f64::from(w) * f64::from(1 << 24);
+            // The reciprocal's 2^-15, and two shifts: a step of the product is 2^(n - 6) of these.
+            let step = 2f64.powi(w.leading_zeros() as i32 - 6).max(1.0);
+            let slack = exact.abs() / f64::from(1 << 15) + 2.0 * step;
+            prop_assert!((f64::from(q) - exact).abs() <= slack, "{q} {exact}");
+        }
     }
 }

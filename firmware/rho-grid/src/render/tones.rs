@@ -77,7 +77,8 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     /// to its left, or else to its right: what no disc reached between discs that hardly touch.
     ///
     /// Row by row from the top, so that a pixel just covered counts for the next one, and those to its
-    /// left and above it are looked at again. Pixels at the frame's edge are left, and so are four open ones together, the first a multiple of four.
+    /// left and above it are looked at again. Pixels at the frame's edge are left, and so are four open
+    /// ones together, the first a multiple of four.
     pub fn fill(&mut self, rect: Rect) {
         let y0 = (rect.y0 as i32).max(self.first + 1);
         let y1 = (rect.y1 as i32).min(self.first + i32::from(self.height) - 2);

@@ -27,6 +27,12 @@ impl Rect {
         }
     }
 
+    /// The least that holds those of both that there are.
+    #[must_use]
+    pub fn of_both(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        one.into_iter().chain(other).reduce(Self::with)
+    }
+
     /// The least that holds both.
     #[must_use]
     pub fn with(self, other: Self) -> Self {

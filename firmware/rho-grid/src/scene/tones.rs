@@ -299,11 +299,7 @@ fn signed([x, y, z]: &[i16; 3], octant: usize) -> [i32; 3] {
 
 /// Whether a blob is one model whose samples have no colours of their own.
 fn is_plain(blob: &Blob<'_>) -> bool {
-    let coloured = |index| {
-        let grid = blob.grid(index);
-        grid.is_some_and(|grid| grid.layout().colour > 0)
-    };
-    !blob.is_scene() && !(0..blob.grid_count()).any(coloured)
+    !blob.is_scene() && blob.layouts().all(|layout| layout.colour == 0)
 }
 
 impl Fields {

@@ -60,9 +60,9 @@ fn entry<T: Copy, const N: usize>(table: &[T; N], index: u32) -> T {
 /// A disc's radius in sides of its cell, times 256.
 const RADIUS: i32 = 230;
 
-/// What turns away by more than this, an eighth, is left. A sample stands for a part of the surface,
+/// What turns away by more than this, a quarter, is left. A sample stands for a part of the surface,
 /// not all of which faces as it does.
-const FAR_AWAY: i32 = -(1 << 27);
+const FAR_AWAY: i32 = -(1 << 28);
 
 /// What the samples of a block have in common.
 pub(super) struct Stamps<'v> {

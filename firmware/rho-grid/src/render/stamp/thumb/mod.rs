@@ -18,7 +18,7 @@
 //!   Only words of children are read.
 //! * *lists*: nine bits of a mask times the size of a list; a list has as many entries as it says.
 //! * *offsets by step, cells*: three bits; the number in a list's entry, 2 to 10.
-//! * *classes, tones*: nine bits of a word of 16; thirteen, or fourteen where words name materials,
+//! * *classes, tones*: nine bits of a word of 16 or of a cone; thirteen, or fourteen where words name materials,
 //!   and [`stamp`] checks that there are as many tones.
 //! * *directions*: four bits. *Half-planes*: `ORIGIN` and the number of places are such that no sum of
 //!   a place within a window and a half width stays outside; [`stamp`] bounds `breadth`.
@@ -27,7 +27,6 @@
 //! * *in the light*: displacements by subcell and by a list's number, as above; of what a word is moved by,
 //!   its upper seven and its lowest three bits; the map by as many bits of u and of v as its side has, which
 //!   [`stamp`] compares with its length.
-//! * *filling*, *covered*: [`next_to_fill`] and [`is_covered`] check their bounds themselves.
 //! * *pixels*: places have six bits each, so windows begin within 64 x 64 pixels of the corner, and
 //!   [`stamp`] checks that those and three more, each way, are in the frame's bytes. In a band each window
 //!   is compared with the last that lies in its bytes; one that begins before the first is, as a number
@@ -35,7 +34,11 @@
 
 #![allow(unsafe_code, reason = "the one place with assembly")]
 
-use core::arch::{asm, global_asm};
+mod frame;
+
+pub(in crate::render) use frame::{STRIDE, clear, is_covered, next_to_fill};
+
+use core::arch::global_asm;
 use core::mem::MaybeUninit;
 
 use super::lists::{FIRST, LISTS, Lists};
@@ -47,152 +50,6 @@ use crate::render::project::Homogeneous;
 use crate::render::tones::{SPREAD, margin};
 use crate::render::visibility::Visibility;
 use crate::shading::Shade;
-
-/// Bytes from row to row of the frames that the assembly knows.
-pub(in crate::render) const STRIDE: usize = 240;
-
-/// Sets all words to 0, eight an instruction.
-pub(in crate::render) fn clear(words: &mut [u32]) {
-    let (chunks, rest) = words.as_chunks_mut::<32>();
-    if !chunks.is_empty() {
-        let chunks = chunks.as_mut_ptr_range();
-        // SAFETY: four times eight words a round, from the first chunk to the end of the last.
-        unsafe {
-            asm!(
-                "1:",
-                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
-                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
-                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
-                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
-                "cmp {at}, {end}",
-                "bne 1b",
-                at = inout(reg) chunks.start => _,
-                end = in(reg) chunks.end,
-                in("r2") 0, in("r3") 0, in("r4") 0, in("r5") 0,
-                in("r8") 0, in("r9") 0, in("r10") 0, in("r12") 0,
-                options(nostack),
-            );
-        }
-    }
-    rest.fill(0);
-}
-
-/// Whether all pixels are covered of `rows` rows of `count` from `from` on; both at least 8 and 1.
-pub(in crate::render) fn is_covered(pixels: &[u8], from: usize, count: usize, rows: usize) -> bool {
-    let last = from + rows.saturating_sub(1) * STRIDE + count;
-    if count < 8 || rows == 0 || last > pixels.len() {
-        return false;
-    }
-    let mut left = rows;
-    // SAFETY: reads of `count` bytes of each row, as words: eight at a time from its first, and its
-    // last eight; the last row's end was compared with the pixels'.
-    unsafe {
-        asm!(
-            "2:",
-            "add {p}, {at}, {count}",
-            "ldr {a}, [{p}, #-4]",
-            "ldr {b}, [{p}, #-8]",
-            "lsr {n}, {count}, #3",
-            "and {all}, {a}, {b}",
-            "mov {p}, {at}",
-            "3:",
-            "ldr {a}, [{p}], #4",
-            "ldr {b}, [{p}], #4",
-            "and {all}, {all}, {a}",
-            "and {all}, {all}, {b}",
-            "subs {n}, {n}, #1",
-            "bne 3b",
-            "bics {all}, {bits}, {all}",
-            "bne 4f",
-            "add {at}, {at}, #240",
-            "subs {left}, {left}, #1",
-            "bne 2b",
-            "4:",
-            at = inout(reg) pixels.as_ptr().wrapping_add(from) => _,
-            count = in(reg) count,
-            left = inout(reg) left,
-            bits = in(reg) 0x0101_0101,
-            all = out(reg) _,
-            n = out(reg) _,
-            p = out(reg) _,
-            a = out(reg) _,
-            b = out(reg) _,
-            options(nostack, readonly),
-        );
-    }
-    left == 0
-}
-
-/// Of each four pixels from `from` on, a multiple of four, the first of the next four in which an open
-/// pixel has three or four covered neighbours; `end` or more when there are none before that.
-pub(in crate::render) fn next_to_fill(pixels: &[u8], from: usize, end: usize) -> usize {
-    // A row and a pixel before, a row and four words after.
-    if from < STRIDE + 1 || end + STRIDE + 20 > pixels.len() || from >= end {
-        return end;
-    }
-    let start = pixels.as_ptr();
-    let mut at = start.wrapping_add(from);
-    // SAFETY: reads of the words within a row, a pixel and sixteen bytes of `at`, which goes from
-    // `from` to `end`; words at other places than multiples of four are read one by one.
-    unsafe {
-        asm!(
-            ".macro RHO_FOUR word, at",
-            "ands r9, \\word, r2",
-            "beq 4f",
-            "cmp r9, r2",
-            "beq 4f",
-            "ldr r10, [{at}, #\\at - 1]",
-            "and r10, r10, r2",
-            "ldr r12, [{at}, #\\at + 1]",
-            "and r12, r12, r2",
-            "add r10, r10, r12",
-            "ldr r12, [{at}, #\\at - 240]",
-            "and r12, r12, r2",
-            "add r10, r10, r12",
-            "ldr r12, [{at}, #\\at + 240]",
-            "and r12, r12, r2",
-            "add r10, r10, r12",
-            "add r10, r10, r2",
-            "lsr r10, r10, #2",
-            "bic r10, r10, r9",
-            "tst r10, r2",
-            "itt ne",
-            "addne {at}, #\\at",
-            "bne 9f",
-            "4:",
-            ".endm",
-            "1:",
-            "ldm {at}, {{r3, r4, r5, r8}}",
-            "orr r9, r3, r4",
-            "orr r9, r9, r5",
-            "orr r9, r9, r8",
-            "tst r9, r2",
-            "beq 3f",
-            "and r9, r3, r4",
-            "and r9, r9, r5",
-            "and r9, r9, r8",
-            "bics r9, r2, r9",
-            "beq 3f",
-            "RHO_FOUR r3, 0",
-            "RHO_FOUR r4, 4",
-            "RHO_FOUR r5, 8",
-            "RHO_FOUR r8, 12",
-            "3:",
-            "add {at}, #16",
-            "cmp {at}, {end}",
-            "blo 1b",
-            "9:",
-            ".purgem RHO_FOUR",
-            at = inout(reg) at,
-            end = in(reg) start.wrapping_add(end),
-            in("r2") 0x0101_0101,
-            out("r3") _, out("r4") _, out("r5") _, out("r8") _, out("r9") _, out("r10") _,
-            out("r12") _,
-            options(nostack, readonly),
-        );
-    }
-    at.addr() - start.addr()
-}
 
 /// What the assembly reads; the offsets stand in its first lines.
 #[repr(C)]
@@ -452,7 +309,7 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, light) == 180);
     assert!(core::mem::offset_of!(Block, windows) == 216);
     assert!(core::mem::offset_of!(Block, width) == 228);
-    assert!(FAR_AWAY == -0x0800_0000);
+    assert!(FAR_AWAY == -0x1000_0000);
     assert!(TWO_SIDED == 127 && WIDTH_BITS == 7);
     assert!(core::mem::offset_of!(InLight, cells) == 28);
     assert!(size_of::<Lists>() == 5120);
@@ -612,7 +469,7 @@ global_asm!(
     "ldr lr, [r0, #228]",
     "cmp lr, #127",
     "beq 7f",
-    "cmn r11, #0x08000000",
+    "cmn r11, #0x10000000",
     "blt 4b",
     "7:",
     "ldr lr, [r10, #(\\rows / 2 * 240 * (1 + \\band))]",
