@@ -17,16 +17,19 @@
 //! no projection (a division by next to nothing), so that nothing overflows, nothing in view is
 //! lost and nothing small looks large.
 
+mod bounds;
+mod stamped;
+
 use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
 use super::order::{self, List, Order};
-use super::project::{Bounds, Homogeneous, OverW};
+use super::project::{Bounds, Homogeneous};
 use super::shadow::ShadowView;
-use super::stamp::{self, Fields, Kind, Stamps};
+use super::stamp::{self, Kind};
 use super::view::{Half, LevelView, Slabs, Step, Steps, View};
 use super::visibility::{Rect, Visibility};
 use crate::blob::format::MAX_SUBDIVISIONS;
-use crate::blob::{Attributes, Grid, Level};
+use crate::blob::{Grid, Level};
 use crate::reciprocal::Reciprocal;
 use crate::shading::Shade;
 
@@ -462,119 +465,6 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         }
     }
 
-    /// Stamps the grandchildren of a cell of `level`, if it is a block and can be stamped.
-    #[inline(always)]
-    fn stamps_all<R: Reciprocal>(&mut self, open: &mut Open, cell: &Cell, level: usize) -> bool {
-        match (self.stamps, self.grid.attributes()) {
-            (Some(Kind::Offset), Attributes::Halves(words)) => {
-                self.stamped::<stamp::Offset, R>(words, open, cell, level)
-            }
-            (Some(Kind::Both), Attributes::Halves(words)) => {
-                self.stamped::<stamp::Both, R>(words, open, cell, level)
-            }
-            (Some(Kind::Colour), Attributes::Words(words)) => {
-                self.stamped::<stamp::Colour, R>(words, open, cell, level)
-            }
-            _ => false,
-        }
-    }
-
-    #[inline(never)]
-    fn stamped<A: Fields, R: Reciprocal>(
-        &mut self,
-        words: &'g [A::Word],
-        open: &mut Open,
-        cell: &Cell,
-        level: usize,
-    ) -> bool {
-        let Some([nodes, below]) = self
-            .grid
-            .levels()
-            .get(level..level + 2)
-            .and_then(|l| l.first_chunk())
-        else {
-            return false;
-        };
-        let view = self.view;
-        let (outer, inner) = (self.level(level), self.level(level + 2));
-        let (w, bounds) = (cell.centre.w, &cell.bounds);
-        let dw = outer.half.w;
-        let leaves = level + 2 == self.grid.subdivisions();
-        let nearest = w - dw;
-        if below.rho != 3
-            || !(leaves || inner.stop_w <= nearest)
-            || self.level(level + 1).stop_w <= w + dw
-            || nearest < view.near
-        {
-            return false;
-        }
-        let side = view.side::<R>(inner, w);
-        let reach = Stamps::overhang(side);
-        // Stamps beyond the rows that are drawn are left one by one.
-        let (reach, rows) = (Half { x: reach, y: reach }, (0, view.height));
-        if !self.is_inside(bounds, reach, rows) {
-            return false;
-        }
-        let rho = i32::from(nodes.rho);
-        let (mx, my) = self.middle();
-        let axis = [bounds.x - mx, bounds.y - my];
-        // A parent's place is exact; within it, a sample stands off by the part of a step by which
-        // the parent's depth differs from the block's: an eighth of a pixel at most.
-        if w >> 3 < dw {
-            return false;
-        }
-        let steps = view.steps_at::<R>(inner, axis, w);
-        let range = self.grid.layout().offset_range;
-        let own = bounds.half_x.max(bounds.half_y);
-        let Some(stamps) =
-            Stamps::new::<A>(view, range, &steps, axis, own, side, inner.depth_steps())
-        else {
-            return false;
-        };
-        // The eye's slab among all subcells, and among the parents.
-        let eye = self.eye_slab(inner, cell.place.map(|p| p * rho), 3);
-        let eye_of_parents = self.eye_slab(self.level(level + 1), cell.place, rho);
-        let words = words.get(self.first(level + 2) as usize..);
-        let mut parents = stamp::Parents::new(
-            cell.centre,
-            view.displacements(outer),
-            view.k,
-            below,
-            open.first_child,
-            words.unwrap_or_default(),
-            (rho * rho * rho) as usize,
-            self.in_light(level, cell.place),
-            &mut self.parents,
-        );
-        if rho == 3 && eye.iter().all(|e| *e < 1 || *e > 7) {
-            let [mask, ..] = nodes.mask::<3>(cell.node);
-            parents.outside(mask, eye.map(|e| e > 7));
-        } else {
-            let mask = match rho {
-                2 => open.order::<2>(nodes, cell.node, eye_of_parents),
-                3 => open.order::<3>(nodes, cell.node, eye_of_parents),
-                4 => open.order::<4>(nodes, cell.node, eye_of_parents),
-                _ => open.order::<5>(nodes, cell.node, eye_of_parents),
-            };
-            let list = open.list.iter().take(usize::from(open.count));
-            let list = list.map(|s| (order::rank(&mask, *s), u32::from(*s)));
-            parents.list(list, eye, |s| order::place(nodes.rho, s as u8));
-        }
-        stamps.stamp::<A, V, R>(self.target, &parents, self.shading);
-        true
-    }
-
-    /// The parents of a block of `level` in the light.
-    #[inline(always)]
-    fn in_light(&self, level: usize, place: [i32; 3]) -> Option<stamp::InLight<'v>> {
-        let light = self.shading.light()?;
-        Some(stamp::InLight {
-            at: light.place(level, place),
-            parents: light.displacements(level),
-            cells: light.displacements(level + 1).first_chunk()?,
-        })
-    }
-
     /// Draws all children of a cell of `level`.
     #[inline(always)]
     fn samples<F: Footprint, const RHO: usize>(
@@ -725,100 +615,6 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
                     (None, Some(light)) => shading.colour_at(grid.attribute(node), place(light)),
                 });
         }
-    }
-
-    /// Q8 from the optical axis.
-    #[inline(always)]
-    fn on_screen<R: Reciprocal>(&self, p: Homogeneous) -> (i32, i32) {
-        let over = OverW::new::<R>(p.w, self.view.k);
-        (over.times(p.x), over.times(p.y))
-    }
-
-    /// Where the optical axis meets the frame, Q8.
-    #[inline(always)]
-    fn middle(&self) -> (i32, i32) {
-        (self.view.width << 7, self.view.height << 7)
-    }
-
-    #[inline(always)]
-    fn bounds(&self, x: i32, y: i32, half: Half) -> Bounds {
-        let (mx, my) = self.middle();
-        Bounds {
-            x: x + mx,
-            y: y + my,
-            half_x: half.x,
-            half_y: half.y,
-        }
-    }
-
-    /// Whether no sample of these half extents within `block` reaches the frame's edge or beyond
-    /// `rows`, with two pixels to spare for the largest splat's rounding.
-    fn is_inside(&self, block: &Bounds, samples: Half, rows: (i32, i32)) -> bool {
-        let within = |centre: i32, half: i32, (first, end): (i32, i32)| {
-            let reach = half + 4 * samples.x.max(samples.y) + 512;
-            centre - reach >= first << 8 && centre + reach < end << 8
-        };
-        within(block.x, block.half_x, (0, self.view.width)) && within(block.y, block.half_y, rows)
-    }
-
-    /// The part of `pixels` within the rows of the frame that are drawn.
-    #[inline(always)]
-    fn clip(&self, pixels: Pixels) -> Option<Rect> {
-        let (x0, x1) = (pixels.x.0.max(0), pixels.x.1.min(self.view.width - 1));
-        let (first, end) = self.view.rows;
-        let (y0, y1) = (pixels.y.0.max(first), pixels.y.1.min(end - 1));
-        Pixels {
-            x: (x0, x1),
-            y: (y0, y1),
-        }
-        .rect()
-    }
-
-    /// Bounds of a cell near the eye, which may be in it; `None` when it is behind.
-    ///
-    /// X and W range independently, W from the eye's plane on: wider than exact, and never too
-    /// narrow. Where the whole cell can be projected, its own extent bounds it too.
-    #[cold]
-    fn near_bounds<R: Reciprocal>(&self, centre: Homogeneous, level: &LevelView) -> Option<Bounds> {
-        let w = (centre.w - level.half.w, centre.w + level.half.w);
-        if w.1 < 1 {
-            return None;
-        }
-        let nearest = w.0;
-        let w = (w.0.max(1), w.1);
-        let mut x = self.interval(centre.x, level.half.x, w);
-        let mut y = self.interval(centre.y, level.half.y, w);
-        if nearest >= self.view.near {
-            let at = self.on_screen::<R>(centre);
-            let half = Half::default();
-            let half = self.view.half::<R>(level, [at.0, at.1], half, nearest);
-            let both = |a: (i32, i32), at: i32, half: i32| (a.0.max(at - half), a.1.min(at + half));
-            x = both(x, at.0, half.x);
-            y = both(y, at.1, half.y);
-        }
-        let middle = |(low, high): (i32, i32)| (low + high) >> 1;
-        let (mx, my) = (middle(x), middle(y));
-        let half = Half {
-            x: x.1 - mx,
-            y: y.1 - my,
-        };
-        Some(self.bounds(mx, my, half))
-    }
-
-    /// First and last, Q8, of (v - half ..= v + half) / w, cut at 2^20 pixels.
-    fn interval(&self, v: i32, half: i32, w: (i32, i32)) -> (i32, i32) {
-        let over = |v: i32, w: i32| {
-            // Q8 = X / W * 2^(30 - k)
-            let k = self.view.k;
-            let v = i64::from(v) << 30u32.saturating_sub(k);
-            let w = i64::from(w) << k.saturating_sub(30);
-            (v / w.max(1)).clamp(-(1 << 28), 1 << 28) as i32
-        };
-        let (low, high) = (v - half, v + half);
-        (
-            over(low, if low < 0 { w.0 } else { w.1 }) - 1,
-            over(high, if high > 0 { w.0 } else { w.1 }) + 1,
-        )
     }
 
     #[inline(always)]

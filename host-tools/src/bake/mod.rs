@@ -1,6 +1,9 @@
 //! The whole way from a model to a blob: read, sample, encode.
 
-use std::path::PathBuf;
+mod options;
+
+pub use options::{BakeOptions, GridChoice, LayoutChoice, SampleChoice};
+
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -19,143 +22,13 @@ use crate::geometry::Geometry;
 use crate::geometry::triangle::Corners;
 use crate::geometry::triangles::Triangles;
 use crate::mesh::Mesh;
-use crate::model::{LoadOptions, Up};
+use crate::model::Up;
 use crate::palette::Palette;
 use crate::peak::peak_memory;
 use crate::sampling::{Sampling, Separation, Sequence, Tree};
 use crate::scene::{self, Scene};
 use crate::source::{self, Model, Shape};
 use crate::text::{size, thousands};
-
-/// How a model is baked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BakeOptions {
-    /// How the cube is cut.
-    pub grid: GridChoice,
-    /// Which cells are leaves.
-    pub separation: Separation,
-    /// What a sample's word holds.
-    pub layout: LayoutChoice,
-    /// Which nodes have samples.
-    pub samples: SampleChoice,
-    /// How the model is read; its memory limit is that of the whole bake.
-    pub load: LoadOptions,
-    /// Where a model is looked for that is not in the current folder.
-    pub models: Option<PathBuf>,
-}
-
-impl Default for BakeOptions {
-    /// 243 cells an axis by 3,3,3,3,3, each that the surface meets, with materials.
-    fn default() -> Self {
-        Self {
-            grid: GridChoice::Fixed(vec![
-                Sequence::new(&[3; 5]).unwrap_or_else(|_| unreachable!()),
-            ]),
-            separation: Separation::TwentySix,
-            layout: LayoutChoice::Material,
-            samples: SampleChoice::All,
-            load: LoadOptions::default(),
-            models: None,
-        }
-    }
-}
-
-/// The grids of [`BakeOptions::standard`]: 48, 54, 81, 108 and 162 cells an axis, for the presets.
-const STANDARD: [&[u8]; 5] = [
-    &[4, 4, 3],
-    &[2, 3, 3, 3],
-    &[3, 3, 3, 3],
-    &[2, 3, 2, 3, 3],
-    &[2, 3, 3, 3, 3],
-];
-
-impl BakeOptions {
-    /// What serves the presets best: thin grids of discs for every distance, as many as fit into
-    /// `flash` bytes. A model in several colours gives up two bits of the normal and one of the offset
-    /// for one of eight materials.
-    fn standard(model: &Model, flash: Option<u64>, given: Self) -> Self {
-        let sequences = STANDARD.map(|s| Sequence::new(s).unwrap_or_else(|_| unreachable!()));
-        let sequences = sequences.to_vec();
-        Self {
-            grid: match flash {
-                Some(flash) => GridChoice::Fits(sequences, flash),
-                None => GridChoice::Fixed(sequences),
-            },
-            separation: Separation::Six,
-            layout: if model.is_coloured() {
-                LayoutChoice::Both
-            } else {
-                LayoutChoice::Offset
-            },
-            samples: SampleChoice::Leaves,
-            ..given
-        }
-    }
-}
-
-/// How the cube is cut.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum GridChoice {
-    /// As the presets want it, within so many bytes; leaves, layout and samples follow.
-    Standard(Option<u64>),
-    /// By each of these sequences, one grid each.
-    Fixed(Vec<Sequence>),
-    /// By those of these sequences that fit into so many bytes together: while they do not,
-    /// the finest is left out. One must fit.
-    Fits(Vec<Sequence>, u64),
-    /// As finely as fits into so many bytes, by a power of rho, or else by any sequence of
-    /// [`flash::mixed`].
-    Finest(Option<u8>, u64),
-}
-
-/// What a sample's word holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum LayoutChoice {
-    /// A normal of 13 bits and one of 8 materials
-    #[default]
-    Material,
-    /// A normal of 13 bits and an offset of 3 along it
-    Offset,
-    /// A normal of 11 bits, an offset of 2 along it and one of 8 materials
-    Both,
-    /// 32 bits: a normal of 13, an offset of 3 along it and a colour of 16
-    Colour,
-}
-
-impl LayoutChoice {
-    /// The layout; offsets reach as far as leaves of this separation need them.
-    #[must_use]
-    pub fn layout(self, separation: Separation) -> Layout {
-        match (self, separation) {
-            (Self::Material, _) => Layout::MATERIAL,
-            (Self::Offset, Separation::Six) => Layout::OFFSET_THIN,
-            (Self::Offset, Separation::TwentySix) => Layout::OFFSET,
-            (Self::Both, Separation::Six) => Layout::BOTH_THIN,
-            (Self::Both, Separation::TwentySix) => Layout::BOTH,
-            (Self::Colour, Separation::Six) => Layout::COLOUR_THIN,
-            (Self::Colour, Separation::TwentySix) => Layout::COLOUR,
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Material => "material",
-            Self::Offset => "offset",
-            Self::Both => "both",
-            Self::Colour => "colour",
-        }
-    }
-}
-
-/// Which nodes of a grid have samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum SampleChoice {
-    /// All: what is small on the screen is drawn from fewer samples
-    #[default]
-    All,
-    /// The leaves alone: a tenth smaller, for grids of which each serves one distance
-    Leaves,
-}
 
 /// How far a bake is, for who watches it from another thread.
 #[derive(Debug, Default)]
@@ -642,6 +515,7 @@ fn palette(trees: &[Tree], layout: Layout) -> (Palette, Option<String>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::LoadOptions;
     use crate::sampling::{TreeLevel, TreeSample};
 
     const TRIANGLE: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0.3\nf 1 2 3\n";
