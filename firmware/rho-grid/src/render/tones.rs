@@ -451,11 +451,11 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
             return;
         };
         if stamp.away {
-            let row = |row: usize| {
+            let open = |row: usize| {
                 let pixels = window.get(row * STRIDE..).and_then(|row| row.first_chunk());
-                pixels.map_or(COVERED, |pixels| word(*pixels))
+                spread(stamp.within, row) & !pixels.map_or(COVERED, |pixels| word(*pixels))
             };
-            if row(ROWS / 2 - 1) & row(ROWS / 2) & COVERED == COVERED {
+            if open(ROWS / 2 - 1) | open(ROWS / 2) == 0 {
                 return;
             }
         }
@@ -490,6 +490,7 @@ mod tests {
             corner: tones.corner(x, y),
             x: 0,
             y: 0,
+            within: 0xFFFF,
             away: false,
             w: 0,
         }

@@ -129,13 +129,17 @@ pub trait Visibility {
             return;
         }
         if stamp.away {
-            let middle = y + ROWS as i32 / 2;
-            let open = |x: i32| {
-                self.shows(x as u32, middle as u32, stamp.w)
-                    || self.shows(x as u32, middle as u32 - 1, stamp.w)
-            };
-            if !(x..x + 4).any(open) {
-                return;
+            let mut middle = stamp.within & 255 << (4 * (ROWS / 2 - 1));
+            loop {
+                if middle == 0 {
+                    return;
+                }
+                let bit = middle.trailing_zeros();
+                middle &= middle - 1;
+                let (x, y) = (x + (bit % 4) as i32, y + (bit / 4) as i32);
+                if self.shows(x as u32, y as u32, stamp.w) {
+                    break;
+                }
             }
         }
         let mut left = mask();
@@ -157,8 +161,10 @@ pub struct Stamp {
     pub x: u32,
     /// And below it.
     pub y: u32,
+    /// Which of the 4 x 4 pixels lie in the frame, one at least.
+    pub within: u32,
     /// The sample faces away: it shows only where one of the pixels in the two middle rows of 4 x 4
-    /// is open.
+    /// and in the frame is open.
     pub away: bool,
     /// Its distance along the optical axis, as [`Visibility::draw`] takes it.
     pub w: i32,
@@ -540,12 +546,13 @@ impl<C: Canvas, const IN_ORDER: bool> Visibility for ZBuffer<'_, C, IN_ORDER> {
         let width = self.width as usize;
         let at = ((y - self.first as i32) * width as i32 + x) as usize;
         if IN_ORDER && stamp.away {
-            let open = |row: usize| {
-                let row = at.wrapping_add(row * width);
-                let depths = self.depth.get(row..row.wrapping_add(4));
-                depths.is_some_and(|depths| depths.iter().any(|depth| here < *depth))
+            let shows = |bit: usize| {
+                let pixel = at.wrapping_add(bit / 4 * width + bit % 4);
+                let depth = self.depth.get(pixel);
+                stamp.within >> bit & 1 == 1 && depth.is_some_and(|depth| here < *depth)
             };
-            if !open(ROWS / 2) && !open(ROWS / 2 - 1) {
+            let middle = 4 * (ROWS / 2 - 1);
+            if !(middle..middle + 8).any(shows) {
                 return;
             }
         }

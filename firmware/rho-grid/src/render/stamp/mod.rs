@@ -1,8 +1,8 @@
 //! Small discs, stamped block by block.
 //!
-//! Where discs are at most [`mask::LARGEST`] large and a block of cells far enough from the eye and
-//! inside the frame, its samples need neither clipping nor arithmetic by pixel: a mask of 4 x 4
-//! pixels from tables ([`mask`]), laid where the sample is. What is left to compute a sample is one
+//! Where discs are at most [`mask::LARGEST`] large and a block of cells far enough from the eye, its
+//! samples need no arithmetic by pixel: a mask of 4 x 4 pixels from tables ([`mask`]), laid where the
+//! sample is, and cut where that is beyond the frame ([`edge`]). What is left to compute a sample is one
 //! packed sum for its place, one product for its offset and one for the angle at which it is seen:
 //!
 //! ```text
@@ -25,6 +25,7 @@
 //! little, it is drawn where one of the eight pixels in its middle is open.
 
 mod classes;
+mod edge;
 mod lists;
 mod mask;
 mod sight;
@@ -44,6 +45,7 @@ use crate::blob::{Layout, Level};
 use crate::normal::CLASS_SHIFT;
 use crate::reciprocal::Reciprocal;
 use crate::shading::Shade;
+use edge::Edges;
 use lists::{FIRST, Order};
 use mask::{Circle, Four, Round, Three, Two};
 
@@ -85,6 +87,8 @@ pub(super) struct Stamps<'v> {
     corner: (i32, i32),
     /// The frame's size: twice from its corner to the axis.
     size: (i32, i32),
+    /// The frame's edges, if discs may reach them.
+    edges: Option<Edges>,
 }
 
 /// Most parents of a block: it is divided by 5.
@@ -366,9 +370,11 @@ const REACH: i32 = 32;
 
 impl<'v> Stamps<'v> {
     /// For a block whose centre is projected to (x, y) (Q8 from the axis) with half extents `own`
-    /// (Q8), and whose cells have a side of `side` and are `steps` (Q16), in W `depths` apart; `None` when its
-    /// discs cannot be stamped: too large, seen too far from the axis, or of another layout.
+    /// (Q8), and whose cells have a side of `side` and are `steps` (Q16), in W `depths` apart; `is_inside`
+    /// says that no disc reaches the frame's edge. `None` when its discs cannot be stamped: too large, or
+    /// seen too far from the axis.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "fields by name")]
     pub(super) fn new<F: Fields>(
         view: &'v View,
         offset_range: u8,
@@ -377,6 +383,7 @@ impl<'v> Stamps<'v> {
         own: i32,
         side: i32,
         depths: [i32; 3],
+        is_inside: bool,
     ) -> Option<Self> {
         // A side of 2.6 pixels has discs of 0.8 sides then: still no holes.
         if own > (REACH - 4) << 8 || side > 170_000 || view.width.min(view.height) < 64 {
@@ -405,9 +412,18 @@ impl<'v> Stamps<'v> {
         let (sx, sy, along_z) = (packed(sx), packed(sy), packed(sz));
         let row = |middle: u32| [middle.wrapping_sub(sx), middle, middle.wrapping_add(sx)];
         let ([a, b, c], [d, e, f], [g, h, i]) = (row(0u32.wrapping_sub(sy)), row(0), row(sy));
-        // Windows that begin from two pixels before the frame to its last one are within 64 pixels
-        // of the corner, and the corner's 64 within two pixels of the frame.
-        let corner = |v: i32, side: i32| (((v >> 8) + (side >> 1)) - REACH).min(side - 64).max(-2);
+        let corner = |v: i32, side: i32| ((v >> 8) + (side >> 1)) - REACH;
+        let size = (view.width, view.height);
+        let mut corner = (corner(x, size.0), corner(y, size.1));
+        let edges = if is_inside {
+            // Windows that begin from two pixels before the frame to its last one are within 64 pixels
+            // of the corner, and the corner's 64 within two pixels of the frame.
+            let moved = |corner: i32, side: i32| corner.min(side - 64).max(-2);
+            corner = (moved(corner.0, size.0), moved(corner.1, size.1));
+            None
+        } else {
+            Some(Edges::new(corner, size)?)
+        };
         Some(Self {
             classes: &view.classes,
             sight,
@@ -427,8 +443,9 @@ impl<'v> Stamps<'v> {
             cells: [a, b, c, d, e, f, g, h, i],
             along_z,
             depths,
-            corner: (corner(x, view.width), corner(y, view.height)),
-            size: (view.width, view.height),
+            corner,
+            size,
+            edges,
         })
     }
 
@@ -585,15 +602,21 @@ impl<'v> Stamps<'v> {
             if towards < FAR_AWAY && !samples.two_sided {
                 continue;
             }
+            let (x, y) = (place >> 10 & 63, place >> 26);
+            let within = self.edges.map_or(0xFFFF, |edges| edges.within(x, y));
+            if within == 0 {
+                continue;
+            }
             let mask = || {
                 let cosine = u64::from(towards.unsigned_abs());
                 let half = ((cosine * u64::from(self.breadth)) >> 32) as u32;
-                mask::disc(circle, place & 0x03FF_03FF, class.towards, half)
+                mask::disc(circle, place & 0x03FF_03FF, class.towards, half) & within
             };
             let stamp = Stamp {
                 corner: samples.corner,
-                x: place >> 10 & 63,
-                y: place >> 26,
+                x,
+                y,
+                within,
                 away: towards < 0,
                 w: samples.w + entry(samples.depths, cell),
             };

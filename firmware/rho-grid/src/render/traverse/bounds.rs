@@ -33,6 +33,17 @@ impl<V: Visibility, S: Shade> Walk<'_, '_, V, S> {
         }
     }
 
+    /// Whether no disc of `block` reaches the frame's edge, if discs reach `beyond` it (Q8) at most; with a
+    /// pixel to spare for rounding.
+    pub(super) fn is_within_frame(&self, block: &Bounds, beyond: i32) -> bool {
+        let within = |centre: i32, half: i32, side: i32| {
+            let reach = half.saturating_add(beyond) + 256;
+            centre >= reach && reach < (side << 8) - centre
+        };
+        within(block.x, block.half_x, self.view.width)
+            && within(block.y, block.half_y, self.view.height)
+    }
+
     /// Whether no sample of these half extents within `block` reaches the frame's edge or beyond
     /// `rows`, with two pixels to spare for the largest splat's rounding.
     pub(super) fn is_inside(&self, block: &Bounds, samples: Half, rows: (i32, i32)) -> bool {

@@ -5,7 +5,6 @@ use crate::blob::Attributes;
 use crate::reciprocal::Reciprocal;
 use crate::render::order;
 use crate::render::stamp::{self, Fields, Kind, Stamps};
-use crate::render::view::Half;
 use crate::render::visibility::Visibility;
 use crate::shading::Shade;
 
@@ -62,12 +61,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             return false;
         }
         let side = view.side::<R>(inner, w);
-        let reach = Stamps::overhang(side);
-        // Stamps beyond the rows that are drawn are left one by one.
-        let (reach, rows) = (Half { x: reach, y: reach }, (0, view.height));
-        if !self.is_inside(bounds, reach, rows) {
-            return false;
-        }
+        let is_inside = self.is_within_frame(bounds, Stamps::overhang(side));
         let rho = i32::from(nodes.rho);
         let (mx, my) = self.middle();
         let axis = [bounds.x - mx, bounds.y - my];
@@ -79,9 +73,16 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         let steps = view.steps_at::<R>(inner, axis, w);
         let range = self.grid.layout().offset_range;
         let own = bounds.half_x.max(bounds.half_y);
-        let Some(stamps) =
-            Stamps::new::<A>(view, range, &steps, axis, own, side, inner.depth_steps())
-        else {
+        let Some(stamps) = Stamps::new::<A>(
+            view,
+            range,
+            &steps,
+            axis,
+            own,
+            side,
+            inner.depth_steps(),
+            is_inside,
+        ) else {
             return false;
         };
         // The eye's slab among all subcells, and among the parents.

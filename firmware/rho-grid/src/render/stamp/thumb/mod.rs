@@ -41,6 +41,7 @@ pub(in crate::render) use frame::{STRIDE, clear, is_covered, next_to_fill};
 use core::arch::global_asm;
 use core::mem::MaybeUninit;
 
+use super::edge::Within;
 use super::lists::{FIRST, LISTS, Lists};
 use super::mask::{Direction, HALF_PLANES, WINDOWS};
 use super::{Circle, FAR_AWAY, MAX_PARENTS, Parents, Stamps, classes};
@@ -106,6 +107,11 @@ struct Block {
     step: i32,
     /// 228: the width of the parent's cone.
     width: u32,
+    /// 232, 236: the frame's edges, or null where no disc reaches them.
+    columns: *const Within,
+    rows: *const Within,
+    /// 240: of a sample's window, what is in the frame.
+    within: u32,
 }
 
 /// What looking up a sample's shadow needs.
@@ -150,6 +156,15 @@ unsafe extern "C" {
     fn rho_grid_stamp_both_two(block: *mut Block);
     fn rho_grid_stamp_both_three(block: *mut Block);
     fn rho_grid_stamp_both_four(block: *mut Block);
+    fn rho_grid_stamp_two_cut(block: *mut Block);
+    fn rho_grid_stamp_three_cut(block: *mut Block);
+    fn rho_grid_stamp_four_cut(block: *mut Block);
+    fn rho_grid_stamp_band_two_cut(block: *mut Block);
+    fn rho_grid_stamp_band_three_cut(block: *mut Block);
+    fn rho_grid_stamp_band_four_cut(block: *mut Block);
+    fn rho_grid_stamp_both_two_cut(block: *mut Block);
+    fn rho_grid_stamp_both_three_cut(block: *mut Block);
+    fn rho_grid_stamp_both_four_cut(block: *mut Block);
     fn rho_grid_stamp_two_64(block: *mut Block);
     fn rho_grid_stamp_three_64(block: *mut Block);
     fn rho_grid_stamp_four_64(block: *mut Block);
@@ -178,8 +193,9 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         return false;
     }
     let shadows = shading.look_up();
-    // Of bands, only what is drawn most.
-    if band.is_some() && (BOTH || shadows.is_some()) {
+    // Of bands and edges, only what is drawn most.
+    let edges = stamps.edges;
+    if shadows.is_some() && (band.is_some() || edges.is_some()) || band.is_some() && BOTH {
         return false;
     }
     let bits = shadows.map_or(0, |shadows| shadows.bits);
@@ -212,7 +228,15 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     let last = corner + 66 * (STRIDE as i32 + 1);
     // A window is as long as the margin.
     let windows = (pixels.len() + 1).saturating_sub(margin(stride)) as u32;
-    let is_inside = band.is_some() || corner >= 0 && (last as usize) < pixels.len();
+    let is_inside = match edges {
+        _ if band.is_some() => true,
+        None => corner >= 0 && (last as usize) < pixels.len(),
+        Some(_) => {
+            let (width, height) = stamps.size;
+            let rows = pixels.len().saturating_sub(2 * margin(STRIDE)) / STRIDE;
+            width as usize <= STRIDE && height as usize <= rows
+        }
+    };
     let order = parents.order.get(..parents.count).unwrap_or_default();
     if !is_inside
         || stamps.breadth >= 1 << 8
@@ -274,10 +298,26 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         },
         step: stamps.sight.step,
         width: TWO_SIDED,
+        columns: edges.map_or(core::ptr::null(), |edges| edges.columns.as_ptr()),
+        rows: edges.map_or(core::ptr::null(), |edges| edges.rows.as_ptr()),
+        within: 0,
     };
     // SAFETY: the module's argument; all that is pointed to is borrowed here.
     unsafe {
         match (rows, BOTH, bits) {
+            (2, ..) if band.is_some() && edges.is_some() => {
+                rho_grid_stamp_band_two_cut(&raw mut block)
+            }
+            (3, ..) if band.is_some() && edges.is_some() => {
+                rho_grid_stamp_band_three_cut(&raw mut block)
+            }
+            _ if band.is_some() && edges.is_some() => rho_grid_stamp_band_four_cut(&raw mut block),
+            (2, true, _) if edges.is_some() => rho_grid_stamp_both_two_cut(&raw mut block),
+            (3, true, _) if edges.is_some() => rho_grid_stamp_both_three_cut(&raw mut block),
+            (_, true, _) if edges.is_some() => rho_grid_stamp_both_four_cut(&raw mut block),
+            (2, ..) if edges.is_some() => rho_grid_stamp_two_cut(&raw mut block),
+            (3, ..) if edges.is_some() => rho_grid_stamp_three_cut(&raw mut block),
+            _ if edges.is_some() => rho_grid_stamp_four_cut(&raw mut block),
             (2, ..) if band.is_some() => rho_grid_stamp_band_two(&raw mut block),
             (3, ..) if band.is_some() => rho_grid_stamp_band_three(&raw mut block),
             _ if band.is_some() => rho_grid_stamp_band_four(&raw mut block),
@@ -309,6 +349,8 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, light) == 180);
     assert!(core::mem::offset_of!(Block, windows) == 216);
     assert!(core::mem::offset_of!(Block, width) == 228);
+    assert!(core::mem::offset_of!(Block, within) == 240);
+    assert!(size_of::<Within>() == 4);
     assert!(FAR_AWAY == -0x1000_0000);
     assert!(TWO_SIDED == 127 && WIDTH_BITS == 7);
     assert!(core::mem::offset_of!(InLight, cells) == 28);
@@ -384,9 +426,18 @@ global_asm!(
     "RHO_ROW r12, \\tone, 720*(1+\\band)",
     ".endif",
     ".endm",
+    // Whether one of a row's pixels is open and in the frame: NE. Changes r7 and lr.
+    ".macro RHO_OPEN row, band",
+    "ldr r7, [r0, #240]",
+    "ldr lr, [r0, #64]",
+    "ubfx r7, r7, #(4 * \\row), #4",
+    "ldr r7, [lr, r7, lsl #3]",
+    "ldr lr, [r10, #(\\row * 240 * (1 + \\band))]",
+    "bics r7, r7, lr",
+    ".endm",
     // One sample. r0 block, r1 next entry, r2 end, r3 place, r4 words, r5 classes, r6 half-planes,
     // r7 corner; r8 to r12 and lr are free.
-    ".macro RHO_SAMPLES rows, backwards, under, shaded, band",
+    ".macro RHO_SAMPLES rows, backwards, under, shaded, band, cut",
     "1:",
     ".if \\backwards",
     "ldrb r8, [r1, #-1]!",
@@ -404,6 +455,21 @@ global_asm!(
     "add r11, r5, r11, lsl #3",
     "ldrd r11, r12, [r11]", // across, towards
     "mla r9, r11, r10, r9", // the place
+    ".if \\cut",
+    "ldrd r10, lr, [r0, #232]",
+    "str r10, [r0, #240]",
+    "lsr r10, r9, #26",
+    "add r10, lr, r10, lsl #2",
+    "ldr lr, [r0, #240]",
+    "ldrh r10, [r10, #2]", // its rows in the frame
+    "str r10, [r0, #240]",
+    "ubfx r10, r9, #10, #6",
+    "ldrh lr, [lr, r10, lsl #2]", // its columns
+    "ldr r10, [r0, #240]",
+    "ands r10, r10, lr",
+    "beq 4f",
+    "str r10, [r0, #240]",
+    ".endif",
     "ubfx r10, r9, #10, #6",
     "lsr lr, r9, #26",
     "rsb lr, lr, lr, lsl #4",
@@ -449,6 +515,10 @@ global_asm!(
     "ldr r9, [r0, #56]",
     "ldrh r12, [r9, r12, lsl #1]",
     ".endif",
+    ".if \\cut",
+    "ldr r9, [r0, #240]",
+    "and r12, r12, r9",
+    ".endif",
     "ands lr, lr, r12", // the mask
     "beq 4f",
     ".if \\shaded",
@@ -472,6 +542,16 @@ global_asm!(
     "cmn r11, #0x10000000",
     "blt 4b",
     "7:",
+    ".if \\cut",
+    "RHO_OPEN (\\rows / 2), \\band",
+    "bne 5f",
+    "RHO_OPEN (\\rows / 2 - 1), \\band",
+    "bne 5f",
+    "ldr r7, [r0, #76]",
+    "b 4b",
+    "5:",
+    "ldr r7, [r0, #76]",
+    ".else",
     "ldr lr, [r10, #(\\rows / 2 * 240 * (1 + \\band))]",
     "mvn lr, lr",
     "tst lr, #0x01010101",
@@ -481,11 +561,12 @@ global_asm!(
     "tst lr, #0x01010101",
     "beq 4b",
     "5:",
+    ".endif",
     "rsbs r11, r11, #0", // clears the carry: it is negative
     "b 2b",
     ".endm",
     // A plane: r1 its nine bits, r3 its place, r4 its words.
-    ".macro RHO_PLANE rows, backwards, under, shaded, band",
+    ".macro RHO_PLANE rows, backwards, under, shaded, band, cut",
     "cbnz r1, 5f",
     "bx lr",
     "5:",
@@ -501,7 +582,7 @@ global_asm!(
     ".else",
     "add r2, r2, r1",
     ".endif",
-    "RHO_SAMPLES \\rows, \\backwards, \\under, \\shaded, \\band",
+    "RHO_SAMPLES \\rows, \\backwards, \\under, \\shaded, \\band, \\cut",
     ".endm",
     // The displacements of a plane in the light, so many bytes from the first plane's.
     ".macro RHO_IN_LIGHT at, shaded",
@@ -515,7 +596,7 @@ global_asm!(
     ".endm",
     // All parents; shadows are looked up in a map of 2^shaded texels a side, if that is not 0.
     // Registers are saved for the caller, as its convention wants.
-    ".macro RHO_BLOCK name, rows, under, shaded, band=0",
+    ".macro RHO_BLOCK name, rows, under, shaded, band=0, cut=0",
     ".section .text.\\name,\"ax\",%progbits",
     ".global \\name",
     ".type \\name,%function",
@@ -677,9 +758,9 @@ global_asm!(
     "bl 40f",
     "b 12b",
     "30:",
-    "RHO_PLANE \\rows, 0, \\under, \\shaded, \\band",
+    "RHO_PLANE \\rows, 0, \\under, \\shaded, \\band, \\cut",
     "40:",
-    "RHO_PLANE \\rows, 1, \\under, \\shaded, \\band",
+    "RHO_PLANE \\rows, 1, \\under, \\shaded, \\band, \\cut",
     ".size \\name, . - \\name",
     ".endm",
     ".syntax unified",
@@ -692,6 +773,15 @@ global_asm!(
     "RHO_BLOCK rho_grid_stamp_both_two, 2, 2, 0",
     "RHO_BLOCK rho_grid_stamp_both_three, 3, 2, 0",
     "RHO_BLOCK rho_grid_stamp_both_four, 4, 2, 0",
+    "RHO_BLOCK rho_grid_stamp_two_cut, 2, 3, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_three_cut, 3, 3, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_four_cut, 4, 3, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_band_two_cut, 2, 3, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_band_three_cut, 3, 3, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_band_four_cut, 4, 3, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_both_two_cut, 2, 2, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_both_three_cut, 3, 2, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_both_four_cut, 4, 2, 0, 0, 1",
     "RHO_BLOCK rho_grid_stamp_two_64, 2, 3, 6",
     "RHO_BLOCK rho_grid_stamp_three_64, 3, 3, 6",
     "RHO_BLOCK rho_grid_stamp_four_64, 4, 3, 6",
