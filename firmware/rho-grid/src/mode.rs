@@ -3,7 +3,7 @@
 use core::fmt;
 use core::str::FromStr;
 
-use crate::blob::{Blob, Grid};
+use crate::blob::{Blob, Fineness};
 use crate::camera::Camera;
 use crate::q::PixelSize;
 
@@ -161,7 +161,7 @@ impl Preset {
     /// How this preset draws `blob` as `camera` sees it.
     #[must_use]
     pub fn mode(self, blob: &Blob<'_>, camera: &Camera) -> Mode {
-        let index = choose(blob.grids(), self.cells(camera));
+        let index = choose(blob.finenesses(0..blob.grid_count()), self.cells(camera));
         let discs = blob.grid(index).is_none_or(|grid| grid.layout().offset > 0);
         Mode {
             visibility: VisibilityMode::Eye,
@@ -203,10 +203,10 @@ impl Preset {
 /// the cells wanted: foliage fills its cube, and a finer grid of it would only draw more samples into
 /// the same pixels.
 #[must_use]
-pub fn choose<'a>(grids: impl Iterator<Item = Grid<'a>>, cells: u32) -> u16 {
-    let fitting = |grid: &Grid<'_>| {
-        let here = grid.cells(grid.subdivisions());
-        let dense = u64::from(grid.leaf_samples()) >= 2 * u64::from(cells).pow(2);
+pub fn choose(grids: impl Iterator<Item = Fineness>, cells: u32) -> u16 {
+    let fitting = |grid: &Fineness| {
+        let here = grid.cells;
+        let dense = u64::from(grid.leaves) >= 2 * u64::from(cells).pow(2);
         // The coarsest that is fine enough, else the finest.
         let fine = here >= cells || dense;
         (!fine, if fine { here } else { u32::MAX - here })

@@ -122,6 +122,26 @@ pub(super) fn layout(head: &[u8]) -> Layout {
     }
 }
 
+/// How fine a grid is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fineness {
+    /// Leaves along an axis.
+    pub cells: u32,
+    /// Leaves that have a sample.
+    pub leaves: u32,
+}
+
+/// That in a grid's description.
+pub(super) fn fineness(head: &[u8]) -> Fineness {
+    let byte = |at: usize| head.get(at).copied().unwrap_or(0);
+    let subdivisions = usize::from(byte(0)).min(MAX_SUBDIVISIONS);
+    let rhos = (0..subdivisions).map(|level| u32::from(byte(8 + level)));
+    Fineness {
+        cells: rhos.product(),
+        leaves: u32_at(head, 20 + 4 * subdivisions),
+    }
+}
+
 impl<'a> Grid<'a> {
     /// How often the root is subdivided, 1 to 12; leaves are at this level.
     #[must_use]

@@ -14,7 +14,7 @@ pub mod layout;
 pub mod scene;
 
 pub use error::BlobError;
-pub use grid::{Attributes, Grid, Level};
+pub use grid::{Attributes, Fineness, Grid, Level};
 pub use layout::Layout;
 pub use scene::{Instance, Light, Object};
 
@@ -28,6 +28,22 @@ use format::{
 pub struct Blob<'a> {
     bytes: &'a [u8],
     grids: u16,
+    /// The place of the first section of each kind, by [`known`]; [`MAX_SECTIONS`] or more if there is none.
+    firsts: [u16; KNOWN],
+}
+
+/// How many kinds of sections the renderer reads.
+const KNOWN: usize = 11;
+
+/// Of the kinds of sections, the number of this one.
+#[inline(always)]
+fn known(kind: u16) -> Option<usize> {
+    match kind {
+        kind::GRID..=kind::CAMERA => Some(usize::from(kind - kind::GRID)),
+        kind::ORIGIN => Some(KNOWN - 2),
+        kind::FACING => Some(KNOWN - 1),
+        _ => None,
+    }
 }
 
 /// How a surface answers light ([`crate::lighting`] has the formula), each 32768 = 1.
@@ -137,7 +153,11 @@ impl<'a> Blob<'a> {
             }
         }
 
-        let mut blob = Self { bytes, grids: 0 };
+        let mut blob = Self {
+            bytes,
+            grids: 0,
+            firsts: [u16::MAX; KNOWN],
+        };
         blob.check_directory(body)?;
         let materials = blob.required(kind::MATERIALS, 0)?;
         let count = materials.len() / MATERIAL_BYTES;
@@ -183,6 +203,15 @@ impl<'a> Blob<'a> {
         } else {
             None
         }
+    }
+
+    /// The finenesses of these grids: less work than [`Self::grid`] of each.
+    pub fn finenesses(
+        &self,
+        grids: core::ops::Range<u16>,
+    ) -> impl Iterator<Item = Fineness> + use<'a> {
+        let blob = *self;
+        grids.map(move |index| grid::fineness(blob.find(kind::GRID, index).unwrap_or_default()))
     }
 
     /// The layouts of all grids: less work than [`Self::grids`].
@@ -240,7 +269,7 @@ impl<'a> Blob<'a> {
         }
     }
 
-    fn check_directory(&self, body: usize) -> Result<(), BlobError> {
+    fn check_directory(&mut self, body: usize) -> Result<(), BlobError> {
         let mut end = body;
         for i in 0..u32_at(self.bytes, 24) as usize {
             let entry = HEADER_BYTES + ENTRY_BYTES * i;
@@ -258,14 +287,17 @@ impl<'a> Blob<'a> {
                 return Err(BlobError::Section { kind });
             }
             end = offset + length;
+            if let Some(first) = known(kind).and_then(|known| self.firsts.get_mut(known)) {
+                *first = (*first).min(i as u16);
+            }
         }
         Ok(())
     }
 
     /// Each part of a grid belongs to one that is there, and no section is there twice.
     fn check_owners(&self) -> Result<(), BlobError> {
-        let known = |kind| (kind::GRID..=kind::CAMERA).contains(&kind) || kind == kind::FACING;
-        for section in self.sections().filter(|s| known(s.kind)) {
+        let owned = |kind| known(kind).is_some() && kind != kind::ORIGIN;
+        for section in self.sections().filter(|s| owned(s.kind)) {
             let of_blob = (kind::MATERIALS..=kind::CAMERA).contains(&section.kind);
             let owners = if of_blob { 1 } else { self.grids };
             let same = |s: &Section<'_>| (s.kind, s.grid) == (section.kind, section.grid);
@@ -276,22 +308,22 @@ impl<'a> Blob<'a> {
         Ok(())
     }
 
+    /// The first section of this kind of grid `grid`, or of the blob (0).
+    ///
+    /// The parts of grids mostly follow each other: no search then.
     fn find(&self, kind: u16, grid: u16) -> Option<&'a [u8]> {
+        let first = usize::from(self.firsts.get(known(kind)?).copied()?);
+        let step = if kind <= kind::ATTRIBUTES {
+            usize::from(kind::ATTRIBUTES)
+        } else {
+            1
+        };
         let is_it = |s: &Section<'_>| s.kind == kind && s.grid == grid;
-        if kind <= kind::ATTRIBUTES {
-            // The parts of grids mostly follow each other from the first grid's on: no search then.
-            let parts = usize::from(kind::ATTRIBUTES);
-            let place = parts * usize::from(grid) + usize::from(kind.saturating_sub(kind::GRID));
-            let first = self.sections().position(|s| s.kind == kind::GRID)?;
-            let guess = first + place;
-            if guess < u32_at(self.bytes, 24) as usize {
-                let section = self.section(guess);
-                if is_it(&section) {
-                    return Some(section.bytes);
-                }
-            }
-        }
-        self.sections().find(is_it).map(|s| s.bytes)
+        let count = u32_at(self.bytes, 24) as usize;
+        let guess = first + step * usize::from(grid);
+        let guess = (guess < count).then(|| self.section(guess)).filter(is_it);
+        let found = guess.or_else(|| (first..count).map(|i| self.section(i)).find(is_it));
+        found.map(|section| section.bytes)
     }
 
     fn required(&self, kind: u16, grid: u16) -> Result<&'a [u8], BlobError> {

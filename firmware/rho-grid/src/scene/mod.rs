@@ -54,7 +54,10 @@ impl<'a> Placed<'a> {
         let near = body::cells(camera, &object, &instance);
         let camera = seen_from(camera, &instance)?;
         let grid = match mode.fineness {
-            Some(preset) => choose(blob.grids_of(&object), preset.cells(&camera).max(near)),
+            Some(preset) => {
+                let grids = object.first_grid..object.first_grid.saturating_add(object.grids);
+                choose(blob.finenesses(grids), preset.cells(&camera).max(near))
+            }
             None => mode.grid.min(object.grids - 1),
         };
         let index = object.first_grid + grid;
