@@ -13,6 +13,8 @@
 //! that its mask does not name: it then reads and writes back bytes of the rows beside it, or of the
 //! margins before and after the frame.
 
+#[cfg(rho_thumb)]
+use super::visibility::Bytes;
 use super::visibility::{Canvas, Rect, Shape, Stamp, Visibility};
 
 /// The lowest bit of each of four pixels.
@@ -281,6 +283,13 @@ impl<const STRIDE: usize, const SPAN: usize> Canvas for Tones<'_, STRIDE, SPAN> 
         self.first as u32
     }
 
+    #[cfg(rho_thumb)]
+    #[inline(always)]
+    fn bytes_beside_depths(&mut self) -> Option<&mut [u8]> {
+        let as_wide = STRIDE == super::stamp::STRIDE && usize::from(self.width) == STRIDE;
+        (as_wide && self.first == 0).then_some(&mut *self.pixels)
+    }
+
     #[inline(always)]
     fn paint(&mut self, x: u32, y: u32, colour: u16) {
         let at = self.at(x as i32, y as i32);
@@ -415,12 +424,17 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
     }
 
     #[cfg(rho_thumb)]
-    fn tones(&mut self) -> Option<(&mut [u8], Option<i32>)> {
-        match STRIDE / super::stamp::STRIDE {
-            1 if STRIDE == super::stamp::STRIDE => Some((self.pixels, None)),
-            2 if STRIDE == 2 * super::stamp::STRIDE => Some((self.pixels, Some(self.first))),
-            _ => None,
-        }
+    fn bytes(&mut self) -> Option<Bytes<'_>> {
+        let band = match STRIDE / super::stamp::STRIDE {
+            1 if STRIDE == super::stamp::STRIDE => None,
+            2 if STRIDE == 2 * super::stamp::STRIDE => Some(self.first),
+            _ => return None,
+        };
+        Some(Bytes {
+            pixels: self.pixels,
+            band,
+            depths: None,
+        })
     }
 
     #[inline(always)]

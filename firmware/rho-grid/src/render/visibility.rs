@@ -94,10 +94,9 @@ pub trait Visibility {
         self.is_open(x, y)
     }
 
-    /// The bytes of a frame of tones as wide as the loops in assembly have it; or of a band of quarters,
-    /// twice as wide, and its first row.
+    /// What the loops in assembly draw into, if it is a frame that they know.
     #[cfg(rho_thumb)]
-    fn tones(&mut self) -> Option<(&mut [u8], Option<i32>)> {
+    fn bytes(&mut self) -> Option<Bytes<'_>> {
         None
     }
 
@@ -152,6 +151,28 @@ pub trait Visibility {
     }
 }
 
+/// A frame of tones as wide as the loops in assembly have it.
+#[cfg(rho_thumb)]
+#[derive(Debug)]
+pub struct Bytes<'a> {
+    /// Its pixels, and its margins.
+    pub pixels: &'a mut [u8],
+    /// Of a band of quarters, which is twice as wide, the first row.
+    pub band: Option<i32>,
+    /// What is drawn against depths.
+    pub depths: Option<Depths<'a>>,
+}
+
+/// Depths of a frame's pixels, as [`ZBuffer`] has them.
+#[cfg(rho_thumb)]
+#[derive(Debug)]
+pub struct Depths<'a> {
+    /// One a pixel.
+    pub words: &'a mut [u16],
+    /// A depth is w times this over 2^32.
+    pub factor: u32,
+}
+
 /// Where and how a mask is laid.
 #[derive(Clone, Copy, Debug)]
 pub struct Stamp {
@@ -184,6 +205,12 @@ pub trait Canvas {
     /// The frame's row that is the first here.
     fn first_row(&self) -> u32 {
         0
+    }
+
+    /// What the loops in assembly draw into, if depths follow each other as pixels do.
+    #[cfg(rho_thumb)]
+    fn bytes_beside_depths(&mut self) -> Option<&mut [u8]> {
+        None
     }
 
     /// Paints a pixel, also one that is covered, and covers it.
@@ -474,6 +501,23 @@ impl<'a, C: Canvas, const IN_ORDER: bool> ZBuffer<'a, C, IN_ORDER> {
 
 impl<C: Canvas, const IN_ORDER: bool> Visibility for ZBuffer<'_, C, IN_ORDER> {
     const FRONT_TO_BACK: bool = IN_ORDER;
+
+    #[cfg(rho_thumb)]
+    #[inline(always)]
+    fn bytes(&mut self) -> Option<Bytes<'_>> {
+        if !IN_ORDER {
+            return None;
+        }
+        let depths = Depths {
+            words: self.depth,
+            factor: self.factor,
+        };
+        Some(Bytes {
+            pixels: self.canvas.bytes_beside_depths()?,
+            band: None,
+            depths: Some(depths),
+        })
+    }
 
     #[inline(always)]
     fn is_hidden(&self, _: Rect) -> bool {

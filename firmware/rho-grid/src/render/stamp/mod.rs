@@ -87,7 +87,7 @@ pub(super) struct Stamps<'v> {
     corner: (i32, i32),
     /// The frame's size: twice from its corner to the axis.
     size: (i32, i32),
-    /// The frame's edges, if discs may reach them.
+    /// The frame's edges, if stamps may reach beyond them.
     edges: Option<Edges>,
 }
 
@@ -371,7 +371,7 @@ const REACH: i32 = 32;
 impl<'v> Stamps<'v> {
     /// For a block whose centre is projected to (x, y) (Q8 from the axis) with half extents `own`
     /// (Q8), and whose cells have a side of `side` and are `steps` (Q16), in W `depths` apart; `is_inside`
-    /// says that no disc reaches the frame's edge. `None` when its discs cannot be stamped: too large, or
+    /// says that no stamp has pixels beyond the frame's edge. `None` when its discs cannot be stamped: too large, or
     /// seen too far from the axis.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "fields by name")]
@@ -416,8 +416,8 @@ impl<'v> Stamps<'v> {
         let size = (view.width, view.height);
         let mut corner = (corner(x, size.0), corner(y, size.1));
         let edges = if is_inside {
-            // Windows that begin from two pixels before the frame to its last one are within 64 pixels
-            // of the corner, and the corner's 64 within two pixels of the frame.
+            // Windows in the frame begin within 64 pixels of the corner, and the corner's 64 are within
+            // two pixels of the frame.
             let moved = |corner: i32, side: i32| corner.min(side - 64).max(-2);
             corner = (moved(corner.0, size.0), moved(corner.1, size.1));
             None
@@ -449,13 +449,13 @@ impl<'v> Stamps<'v> {
         })
     }
 
-    /// From the middle of a plane of 3 x 3 cells to each, from entry [`FIRST`] on.
+    /// In W, from the middle of a plane of 3 x 3 cells to each.
     #[inline(always)]
-    fn depths(&self) -> [i32; 16] {
+    fn depths_of_plane(&self) -> [i32; 9] {
         let [x, y, _] = self.depths;
         let row = |middle: i32| [middle - x, middle, middle + x];
         let ([a, b, c], [d, e, f], [g, h, i]) = (row(-y), row(0), row(y));
-        [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0]
+        [a, b, c, d, e, f, g, h, i]
     }
 
     /// How far a disc reaches beyond its cell's bounds at most, Q8.
@@ -507,7 +507,9 @@ impl<'v> Stamps<'v> {
         let corner = target.corner(x, y);
         let (x, y) = self.origin(C::ROWS as i32);
         let mut tail = [F::Word::default(); 16];
-        let depths = self.depths();
+        // From entry `FIRST` on.
+        let [a, b, c, d, e, f, g, h, i] = self.depths_of_plane();
+        let depths = [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0];
         let [a, b, c, d, e, f, g, h, i] = self.cells;
         let places = [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0];
         let [.., deep_z] = self.depths;

@@ -41,7 +41,7 @@ pub(in crate::render) use frame::{STRIDE, clear, is_covered, next_to_fill};
 use core::arch::global_asm;
 use core::mem::MaybeUninit;
 
-use super::edge::Within;
+use super::edge::{Edges, Within};
 use super::lists::{FIRST, LISTS, Lists};
 use super::mask::{Direction, HALF_PLANES, WINDOWS};
 use super::{Circle, FAR_AWAY, MAX_PARENTS, Parents, Stamps, classes};
@@ -49,7 +49,7 @@ use crate::blob::facing::{TWO_SIDED, WIDTH_BITS};
 use crate::normal::COUNT;
 use crate::render::project::Homogeneous;
 use crate::render::tones::{SPREAD, margin};
-use crate::render::visibility::Visibility;
+use crate::render::visibility::{Bytes, Depths, Visibility};
 use crate::shading::Shade;
 
 /// What the assembly reads; the offsets stand in its first lines.
@@ -112,6 +112,18 @@ struct Block {
     rows: *const Within,
     /// 240: of a sample's window, what is in the frame.
     within: u32,
+    /// 244: in W, from the middle of a plane to its cells.
+    depths: [i32; 9],
+    /// 280: in W, from a plane to the next; 284, 288: the W of the parent and of the plane.
+    deep_z: i32,
+    parent_w: i32,
+    plane_w: i32,
+    /// 292: what W is worth in a depth.
+    factor: u32,
+    /// 296: from here a pixel's depth is as many times two bytes away as its address says.
+    deep: *mut u16,
+    /// 300: the sample's depth.
+    here: u32,
 }
 
 /// What looking up a sample's shadow needs.
@@ -174,7 +186,22 @@ unsafe extern "C" {
     fn rho_grid_stamp_two_256(block: *mut Block);
     fn rho_grid_stamp_three_256(block: *mut Block);
     fn rho_grid_stamp_four_256(block: *mut Block);
+    fn rho_grid_stamp_deep_two(block: *mut Block);
+    fn rho_grid_stamp_deep_three(block: *mut Block);
+    fn rho_grid_stamp_deep_four(block: *mut Block);
+    fn rho_grid_stamp_deep_both_two(block: *mut Block);
+    fn rho_grid_stamp_deep_both_three(block: *mut Block);
+    fn rho_grid_stamp_deep_both_four(block: *mut Block);
+    fn rho_grid_stamp_deep_two_cut(block: *mut Block);
+    fn rho_grid_stamp_deep_three_cut(block: *mut Block);
+    fn rho_grid_stamp_deep_four_cut(block: *mut Block);
+    fn rho_grid_stamp_deep_both_two_cut(block: *mut Block);
+    fn rho_grid_stamp_deep_both_three_cut(block: *mut Block);
+    fn rho_grid_stamp_deep_both_four_cut(block: *mut Block);
 }
+
+/// One of them for windows of two, three and four rows.
+type Loops = [unsafe extern "C" fn(*mut Block); 3];
 
 /// Stamps all subcells of a block's parents.
 #[inline(always)]
@@ -184,18 +211,25 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     target: &mut V,
     shading: &S,
 ) -> bool {
-    let (Some((pixels, band)), Some(tones)) = (target.tones(), shading.tones(BOTH)) else {
+    let (Some(bytes), Some(tones)) = (target.bytes(), shading.tones(BOTH)) else {
         return false;
     };
+    let Bytes {
+        pixels,
+        band,
+        depths,
+    } = bytes;
     // A word without the bits below those that are looked up.
     let looked_up = if BOTH { 2 * COUNT } else { COUNT };
     if tones.len() < looked_up {
         return false;
     }
     let shadows = shading.look_up();
-    // Of bands and edges, only what is drawn most.
-    let edges = stamps.edges;
-    if shadows.is_some() && (band.is_some() || edges.is_some()) || band.is_some() && BOTH {
+    // Of bands, edges and depths, only what is drawn most.
+    let mut edges = stamps.edges;
+    let is_deep = depths.is_some();
+    if shadows.is_some() && (band.is_some() || edges.is_some() || is_deep) || band.is_some() && BOTH
+    {
         return false;
     }
     let bits = shadows.map_or(0, |shadows| shadows.bits);
@@ -226,6 +260,35 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     let corner = margin(stride) as i32 + (y - band.unwrap_or(0)) * stride as i32 + x;
     // 63 pixels on, and the window's three.
     let last = corner + 66 * (STRIDE as i32 + 1);
+    let (deep, factor) = match depths {
+        None => (core::ptr::null_mut(), 0),
+        Some(Depths { words, factor }) => {
+            let (width, height) = stamps.size;
+            let farthest = i64::from(parents.centre.w)
+                + 8 * stamps
+                    .depths
+                    .map(i64::from)
+                    .map(i64::abs)
+                    .iter()
+                    .sum::<i64>();
+            let depth = farthest.unsigned_abs() * u64::from(factor) >> 32;
+            if depth >= 0xFFFE || words.len() < STRIDE * height as usize {
+                return false;
+            }
+            let fits = |corner: i32, side: i32| (0..side - 66).contains(&corner);
+            if edges.is_none() && !(fits(x, width) && fits(y, height)) {
+                edges = Edges::new(stamps.corner, stamps.size);
+                if edges.is_none() {
+                    return true;
+                }
+            }
+            let first = pixels.as_ptr().addr().wrapping_add(margin(STRIDE));
+            (
+                words.as_mut_ptr().wrapping_byte_sub(first.wrapping_mul(2)),
+                factor,
+            )
+        }
+    };
     // A window is as long as the margin.
     let windows = (pixels.len() + 1).saturating_sub(margin(stride)) as u32;
     let is_inside = match edges {
@@ -301,43 +364,91 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         columns: edges.map_or(core::ptr::null(), |edges| edges.columns.as_ptr()),
         rows: edges.map_or(core::ptr::null(), |edges| edges.rows.as_ptr()),
         within: 0,
+        depths: stamps.depths_of_plane(),
+        deep_z: stamps.depths[2],
+        parent_w: 0,
+        plane_w: 0,
+        factor,
+        deep,
+        here: 0,
+    };
+    let loops: Loops = match (BOTH, edges.is_some()) {
+        (_, true) if band.is_some() => [
+            rho_grid_stamp_band_two_cut,
+            rho_grid_stamp_band_three_cut,
+            rho_grid_stamp_band_four_cut,
+        ],
+        (_, false) if band.is_some() => [
+            rho_grid_stamp_band_two,
+            rho_grid_stamp_band_three,
+            rho_grid_stamp_band_four,
+        ],
+        (true, true) if is_deep => [
+            rho_grid_stamp_deep_both_two_cut,
+            rho_grid_stamp_deep_both_three_cut,
+            rho_grid_stamp_deep_both_four_cut,
+        ],
+        (true, false) if is_deep => [
+            rho_grid_stamp_deep_both_two,
+            rho_grid_stamp_deep_both_three,
+            rho_grid_stamp_deep_both_four,
+        ],
+        (false, true) if is_deep => [
+            rho_grid_stamp_deep_two_cut,
+            rho_grid_stamp_deep_three_cut,
+            rho_grid_stamp_deep_four_cut,
+        ],
+        (false, false) if is_deep => [
+            rho_grid_stamp_deep_two,
+            rho_grid_stamp_deep_three,
+            rho_grid_stamp_deep_four,
+        ],
+        (true, true) => [
+            rho_grid_stamp_both_two_cut,
+            rho_grid_stamp_both_three_cut,
+            rho_grid_stamp_both_four_cut,
+        ],
+        (true, false) => [
+            rho_grid_stamp_both_two,
+            rho_grid_stamp_both_three,
+            rho_grid_stamp_both_four,
+        ],
+        (false, true) => [
+            rho_grid_stamp_two_cut,
+            rho_grid_stamp_three_cut,
+            rho_grid_stamp_four_cut,
+        ],
+        (false, false) => match bits {
+            0 => [
+                rho_grid_stamp_two,
+                rho_grid_stamp_three,
+                rho_grid_stamp_four,
+            ],
+            6 => [
+                rho_grid_stamp_two_64,
+                rho_grid_stamp_three_64,
+                rho_grid_stamp_four_64,
+            ],
+            7 => [
+                rho_grid_stamp_two_128,
+                rho_grid_stamp_three_128,
+                rho_grid_stamp_four_128,
+            ],
+            _ => [
+                rho_grid_stamp_two_256,
+                rho_grid_stamp_three_256,
+                rho_grid_stamp_four_256,
+            ],
+        },
+    };
+    let [two, three, four] = loops;
+    let stamp_all = match rows {
+        2 => two,
+        3 => three,
+        _ => four,
     };
     // SAFETY: the module's argument; all that is pointed to is borrowed here.
-    unsafe {
-        match (rows, BOTH, bits) {
-            (2, ..) if band.is_some() && edges.is_some() => {
-                rho_grid_stamp_band_two_cut(&raw mut block)
-            }
-            (3, ..) if band.is_some() && edges.is_some() => {
-                rho_grid_stamp_band_three_cut(&raw mut block)
-            }
-            _ if band.is_some() && edges.is_some() => rho_grid_stamp_band_four_cut(&raw mut block),
-            (2, true, _) if edges.is_some() => rho_grid_stamp_both_two_cut(&raw mut block),
-            (3, true, _) if edges.is_some() => rho_grid_stamp_both_three_cut(&raw mut block),
-            (_, true, _) if edges.is_some() => rho_grid_stamp_both_four_cut(&raw mut block),
-            (2, ..) if edges.is_some() => rho_grid_stamp_two_cut(&raw mut block),
-            (3, ..) if edges.is_some() => rho_grid_stamp_three_cut(&raw mut block),
-            _ if edges.is_some() => rho_grid_stamp_four_cut(&raw mut block),
-            (2, ..) if band.is_some() => rho_grid_stamp_band_two(&raw mut block),
-            (3, ..) if band.is_some() => rho_grid_stamp_band_three(&raw mut block),
-            _ if band.is_some() => rho_grid_stamp_band_four(&raw mut block),
-            (2, true, _) => rho_grid_stamp_both_two(&raw mut block),
-            (3, true, _) => rho_grid_stamp_both_three(&raw mut block),
-            (_, true, _) => rho_grid_stamp_both_four(&raw mut block),
-            (2, false, 0) => rho_grid_stamp_two(&raw mut block),
-            (3, false, 0) => rho_grid_stamp_three(&raw mut block),
-            (_, false, 0) => rho_grid_stamp_four(&raw mut block),
-            (2, false, 6) => rho_grid_stamp_two_64(&raw mut block),
-            (3, false, 6) => rho_grid_stamp_three_64(&raw mut block),
-            (_, false, 6) => rho_grid_stamp_four_64(&raw mut block),
-            (2, false, 7) => rho_grid_stamp_two_128(&raw mut block),
-            (3, false, 7) => rho_grid_stamp_three_128(&raw mut block),
-            (_, false, 7) => rho_grid_stamp_four_128(&raw mut block),
-            (2, false, _) => rho_grid_stamp_two_256(&raw mut block),
-            (3, false, _) => rho_grid_stamp_three_256(&raw mut block),
-            (_, false, _) => rho_grid_stamp_four_256(&raw mut block),
-        }
-    }
+    unsafe { stamp_all(&raw mut block) };
     true
 }
 
@@ -350,6 +461,9 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, windows) == 216);
     assert!(core::mem::offset_of!(Block, width) == 228);
     assert!(core::mem::offset_of!(Block, within) == 240);
+    assert!(core::mem::offset_of!(Block, deep_z) == 280);
+    assert!(core::mem::offset_of!(Block, here) == 300);
+    assert!(FIRST == 2);
     assert!(size_of::<Within>() == 4);
     assert!(FAR_AWAY == -0x1000_0000);
     assert!(TWO_SIDED == 127 && WIDTH_BITS == 7);
@@ -435,9 +549,63 @@ global_asm!(
     "ldr lr, [r10, #(\\row * 240 * (1 + \\band))]",
     "bics r7, r7, lr",
     ".endm",
+    // Goes on at 5 if one of a row's pixels would show the sample. r5 its depth, r6 the first pixel's;
+    // r7 what is in the frame.
+    ".macro RHO_SHOWS row, cut",
+    ".irp column, 0, 1, 2, 3",
+    ".if \\cut",
+    "tst r7, #(1 << (4 * \\row + \\column))",
+    "beq 8f",
+    ".endif",
+    "ldrh lr, [r6, #(480 * \\row + 2 * \\column)]",
+    "cmp r5, lr",
+    "blo 5f",
+    "8:",
+    ".endr",
+    ".endm",
+    // A pixel of a mask (the lowest bits of lr), that many bits on, if the sample is nearer than its depth.
+    // r8 tone, r9 depth, r10 the window's pixels, r12 its depths.
+    ".macro RHO_DEEP_PIXEL bits, row, column",
+    "lsrs lr, lr, #\\bits",
+    "bcc 8f",
+    "ldrh r11, [r12, #(480 * \\row + 2 * \\column)]",
+    "cmp r9, r11",
+    "itt lo",
+    "strhlo r9, [r12, #(480 * \\row + 2 * \\column)]",
+    "strblo r8, [r10, #(240 * \\row + \\column)]",
+    "8:",
+    ".endm",
+    // A row of it, whose last columns are empty if rows are few.
+    ".macro RHO_DEEP_ROW rows, row",
+    ".if \\row",
+    "RHO_DEEP_PIXEL (5 - \\rows), \\row, 0",
+    ".else",
+    "RHO_DEEP_PIXEL 1, \\row, 0",
+    ".endif",
+    "RHO_DEEP_PIXEL 1, \\row, 1",
+    ".if \\rows > 2",
+    "RHO_DEEP_PIXEL 1, \\row, 2",
+    ".endif",
+    ".if \\rows > 3",
+    "RHO_DEEP_PIXEL 1, \\row, 3",
+    ".endif",
+    ".endm",
+    ".macro RHO_DEEP_ROWS rows",
+    "ldr r12, [r0, #296]",
+    "ldr r9, [r0, #300]",
+    "add r12, r12, r10, lsl #1",
+    "RHO_DEEP_ROW \\rows, 0",
+    "RHO_DEEP_ROW \\rows, 1",
+    ".if \\rows > 2",
+    "RHO_DEEP_ROW \\rows, 2",
+    ".endif",
+    ".if \\rows > 3",
+    "RHO_DEEP_ROW \\rows, 3",
+    ".endif",
+    ".endm",
     // One sample. r0 block, r1 next entry, r2 end, r3 place, r4 words, r5 classes, r6 half-planes,
     // r7 corner; r8 to r12 and lr are free.
-    ".macro RHO_SAMPLES rows, backwards, under, shaded, band, cut",
+    ".macro RHO_SAMPLES rows, backwards, under, shaded, band, cut, deep",
     "1:",
     ".if \\backwards",
     "ldrb r8, [r1, #-1]!",
@@ -445,6 +613,15 @@ global_asm!(
     "ldrb r8, [r1], #1",
     ".endif",
     "and r9, r8, #15",
+    ".if \\deep",
+    "add lr, r0, r9, lsl #2",
+    "ldr r10, [r0, #288]",
+    "ldr lr, [lr, #236]",
+    "ldr r11, [r0, #292]",
+    "add r10, r10, lr", // its W
+    "umull lr, r10, r10, r11",
+    "str r10, [r0, #300]",
+    ".endif",
     "lsr r8, r8, #4",
     "ldr r9, [r0, r9, lsl #2]",  // from the plane's middle
     "ldrh r8, [r4, r8, lsl #1]", // the attribute word
@@ -529,7 +706,11 @@ global_asm!(
     "ldrd r11, r12, [r0, #60]",
     "lsr r8, r8, #\\under",
     "ldrb r8, [r11, r8]", // the tone
+    ".if \\deep",
+    "RHO_DEEP_ROWS \\rows",
+    ".else",
     "RHO_ROWS \\rows, r8, \\band",
+    ".endif",
     ".endif",
     "4:",
     "cmp r1, r2",
@@ -542,7 +723,22 @@ global_asm!(
     "cmn r11, #0x10000000",
     "blt 4b",
     "7:",
+    ".if \\deep",
+    "ldr r5, [r0, #300]",
+    "ldr r6, [r0, #296]",
+    "add r6, r6, r10, lsl #1",
     ".if \\cut",
+    "ldr r7, [r0, #240]",
+    ".endif",
+    "RHO_SHOWS (\\rows / 2), \\cut",
+    "RHO_SHOWS (\\rows / 2 - 1), \\cut",
+    "add r5, r0, #68",
+    "ldm r5, {{r5, r6, r7}}",
+    "b 4b",
+    "5:",
+    "add r5, r0, #68",
+    "ldm r5, {{r5, r6, r7}}",
+    ".elseif \\cut",
     "RHO_OPEN (\\rows / 2), \\band",
     "bne 5f",
     "RHO_OPEN (\\rows / 2 - 1), \\band",
@@ -566,7 +762,7 @@ global_asm!(
     "b 2b",
     ".endm",
     // A plane: r1 its nine bits, r3 its place, r4 its words.
-    ".macro RHO_PLANE rows, backwards, under, shaded, band, cut",
+    ".macro RHO_PLANE rows, backwards, under, shaded, band, cut, deep",
     "cbnz r1, 5f",
     "bx lr",
     "5:",
@@ -582,10 +778,19 @@ global_asm!(
     ".else",
     "add r2, r2, r1",
     ".endif",
-    "RHO_SAMPLES \\rows, \\backwards, \\under, \\shaded, \\band, \\cut",
+    "RHO_SAMPLES \\rows, \\backwards, \\under, \\shaded, \\band, \\cut, \\deep",
     ".endm",
-    // The displacements of a plane in the light, so many bytes from the first plane's.
-    ".macro RHO_IN_LIGHT at, shaded",
+    // Before a plane: its W; its displacements in the light, so many bytes from the first plane's.
+    ".macro RHO_BEFORE at, shaded, deep",
+    ".if \\deep",
+    "ldrd r8, r9, [r0, #280]",
+    ".if \\at == 0",
+    "sub r9, r9, r8",
+    ".elseif \\at == 72",
+    "add r9, r9, r8",
+    ".endif",
+    "str r9, [r0, #288]",
+    ".endif",
     ".if \\shaded",
     "ldr r8, [r0, #208]",
     ".if \\at",
@@ -596,7 +801,7 @@ global_asm!(
     ".endm",
     // All parents; shadows are looked up in a map of 2^shaded texels a side, if that is not 0.
     // Registers are saved for the caller, as its convention wants.
-    ".macro RHO_BLOCK name, rows, under, shaded, band=0, cut=0",
+    ".macro RHO_BLOCK name, rows, under, shaded, band=0, cut=0, deep=0",
     ".section .text.\\name,\"ax\",%progbits",
     ".global \\name",
     ".type \\name,%function",
@@ -644,6 +849,9 @@ global_asm!(
     "add r1, r1, r8",
     "add r2, r2, r9",
     "add r3, r3, r10",
+    ".if \\deep",
+    "str r3, [r0, #284]",
+    ".endif",
     "clz r8, r3",
     "lsl r3, r3, r8",
     "lsr r3, r3, #16",
@@ -696,29 +904,29 @@ global_asm!(
     "bne 20f",
     "tst r12, #0x40000",
     "bne 11f",
-    "RHO_IN_LIGHT 0, \\shaded",
+    "RHO_BEFORE 0, \\shaded, \\deep",
     "add r2, r0, #144",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
-    "RHO_IN_LIGHT 36, \\shaded",
+    "RHO_BEFORE 36, \\shaded, \\deep",
     "add r2, r0, #156",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
-    "RHO_IN_LIGHT 72, \\shaded",
+    "RHO_BEFORE 72, \\shaded, \\deep",
     "add r2, r0, #168",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
     "b 12f",
     "11:",
-    "RHO_IN_LIGHT 72, \\shaded",
+    "RHO_BEFORE 72, \\shaded, \\deep",
     "add r2, r0, #168",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
-    "RHO_IN_LIGHT 36, \\shaded",
+    "RHO_BEFORE 36, \\shaded, \\deep",
     "add r2, r0, #156",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
-    "RHO_IN_LIGHT 0, \\shaded",
+    "RHO_BEFORE 0, \\shaded, \\deep",
     "add r2, r0, #144",
     "ldm r2, {{r1, r3, r4}}",
     "bl 30f",
@@ -730,37 +938,37 @@ global_asm!(
     "20:",
     "tst r12, #0x40000",
     "bne 21f",
-    "RHO_IN_LIGHT 0, \\shaded",
+    "RHO_BEFORE 0, \\shaded, \\deep",
     "add r2, r0, #144",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
-    "RHO_IN_LIGHT 36, \\shaded",
+    "RHO_BEFORE 36, \\shaded, \\deep",
     "add r2, r0, #156",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
-    "RHO_IN_LIGHT 72, \\shaded",
+    "RHO_BEFORE 72, \\shaded, \\deep",
     "add r2, r0, #168",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
     "b 12b",
     "21:",
-    "RHO_IN_LIGHT 72, \\shaded",
+    "RHO_BEFORE 72, \\shaded, \\deep",
     "add r2, r0, #168",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
-    "RHO_IN_LIGHT 36, \\shaded",
+    "RHO_BEFORE 36, \\shaded, \\deep",
     "add r2, r0, #156",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
-    "RHO_IN_LIGHT 0, \\shaded",
+    "RHO_BEFORE 0, \\shaded, \\deep",
     "add r2, r0, #144",
     "ldm r2, {{r1, r3, r4}}",
     "bl 40f",
     "b 12b",
     "30:",
-    "RHO_PLANE \\rows, 0, \\under, \\shaded, \\band, \\cut",
+    "RHO_PLANE \\rows, 0, \\under, \\shaded, \\band, \\cut, \\deep",
     "40:",
-    "RHO_PLANE \\rows, 1, \\under, \\shaded, \\band, \\cut",
+    "RHO_PLANE \\rows, 1, \\under, \\shaded, \\band, \\cut, \\deep",
     ".size \\name, . - \\name",
     ".endm",
     ".syntax unified",
@@ -782,6 +990,18 @@ global_asm!(
     "RHO_BLOCK rho_grid_stamp_both_two_cut, 2, 2, 0, 0, 1",
     "RHO_BLOCK rho_grid_stamp_both_three_cut, 3, 2, 0, 0, 1",
     "RHO_BLOCK rho_grid_stamp_both_four_cut, 4, 2, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_two, 2, 3, 0, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_three, 3, 3, 0, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_four, 4, 3, 0, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_both_two, 2, 2, 0, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_both_three, 3, 2, 0, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_both_four, 4, 2, 0, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_two_cut, 2, 3, 0, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_three_cut, 3, 3, 0, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_four_cut, 4, 3, 0, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_both_two_cut, 2, 2, 0, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_both_three_cut, 3, 2, 0, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_deep_both_four_cut, 4, 2, 0, 0, 1, 1",
     "RHO_BLOCK rho_grid_stamp_two_64, 2, 3, 6",
     "RHO_BLOCK rho_grid_stamp_three_64, 3, 3, 6",
     "RHO_BLOCK rho_grid_stamp_four_64, 4, 3, 6",
