@@ -416,9 +416,8 @@ impl<'v> Stamps<'v> {
         let size = (view.width, view.height);
         let mut corner = (corner(x, size.0), corner(y, size.1));
         let edges = if is_inside {
-            // Windows in the frame begin within 64 pixels of the corner, and the corner's 64 are within
-            // two pixels of the frame.
-            let moved = |corner: i32, side: i32| corner.min(side - 64).max(-2);
+            // Windows in the frame begin within 64 pixels of a corner whose 64 windows are in it, too.
+            let moved = |corner: i32, side: i32| corner.min(side - 67).max(0);
             corner = (moved(corner.0, size.0), moved(corner.1, size.1));
             None
         } else {
@@ -456,6 +455,24 @@ impl<'v> Stamps<'v> {
         let row = |middle: i32| [middle - x, middle, middle + x];
         let ([a, b, c], [d, e, f], [g, h, i]) = (row(-y), row(0), row(y));
         [a, b, c, d, e, f, g, h, i]
+    }
+
+    /// How far a sample's place may be from its parent's, packed, with a bit to spare for what is carried
+    /// from x to y.
+    #[cfg(rho_thumb)]
+    fn around(&self) -> u32 {
+        let [_, _, _, _, _, x, _, y, _] = self.cells;
+        let farthest = self.offsets.iter().map(|v| v.unsigned_abs()).max();
+        // An offset in 32nds times a direction, 32 to the unit.
+        let offset = 34 * u32::from(farthest.unwrap_or(0));
+        let along = |step: fn(u32) -> i32| {
+            let steps = [x, y, self.along_z].map(|packed| step(packed).unsigned_abs() + 1);
+            steps.iter().sum::<u32>() + offset
+        };
+        let lower = |packed: u32| i32::from(packed as i16);
+        // What the lower half borrows is taken for the step's own: one less at most.
+        let upper = |packed: u32| packed as i32 >> 16;
+        along(lower) | along(upper) << 16
     }
 
     /// How far a disc reaches beyond its cell's bounds at most, Q8.

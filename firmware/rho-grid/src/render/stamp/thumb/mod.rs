@@ -124,6 +124,10 @@ struct Block {
     deep: *mut u16,
     /// 300: the sample's depth.
     here: u32,
+    /// 304: how much nearer than its parent a sample may be, in W.
+    nearer: i32,
+    /// 308: how far from its parent's place a sample's may be.
+    around: u32,
 }
 
 /// What looking up a sample's shadow needs.
@@ -371,6 +375,8 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         factor,
         deep,
         here: 0,
+        nearer: stamps.depths.iter().map(|step| step.abs()).sum(),
+        around: stamps.around(),
     };
     let loops: Loops = match (BOTH, edges.is_some()) {
         (_, true) if band.is_some() => [
@@ -463,6 +469,7 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, within) == 240);
     assert!(core::mem::offset_of!(Block, deep_z) == 280);
     assert!(core::mem::offset_of!(Block, here) == 300);
+    assert!(core::mem::offset_of!(Block, around) == 308);
     assert!(FIRST == 2);
     assert!(size_of::<Within>() == 4);
     assert!(FAR_AWAY == -0x1000_0000);
@@ -799,6 +806,47 @@ global_asm!(
     "str r8, [r0, #192]",
     ".endif",
     ".endm",
+    // Goes on at 12 if all pixels that a parent's samples may reach are nearer than any of them. r3 its
+    // place, r7 corner. (Of what reaches the edge, none is asked.)
+    ".macro RHO_HIDDEN rows, cut, deep",
+    ".if \\deep && !\\cut",
+    "ldrd r9, r2, [r0, #304]",
+    "ldr r8, [r0, #284]",
+    "ldr r10, [r0, #292]",
+    "sub r8, r8, r9",
+    "umull r9, r8, r8, r10", // the least depth
+    "sub r1, r3, r2",
+    "add r2, r3, r2",
+    "ubfx r9, r1, #10, #6",
+    "ubfx r10, r2, #10, #6",
+    "lsr r1, r1, #26",
+    "lsr r2, r2, #26",
+    "subs r10, r10, r9",
+    "bmi 15f",
+    "subs r2, r2, r1",
+    "bmi 15f",
+    "add r10, r10, #\\rows", // columns
+    "add r2, r2, #\\rows",   // rows
+    "rsb r1, r1, r1, lsl #4",
+    "add r9, r9, r7",
+    "add r9, r9, r1, lsl #4",
+    "ldr r1, [r0, #296]",
+    "add r9, r1, r9, lsl #1",
+    "13:",
+    "add r1, r9, r10, lsl #1",
+    "14:",
+    "ldrh lr, [r1, #-2]!",
+    "cmp lr, r8",
+    "bhi 15f",
+    "cmp r1, r9",
+    "bne 14b",
+    "add r9, r9, #480",
+    "subs r2, r2, #1",
+    "bne 13b",
+    "b 12f",
+    "15:",
+    ".endif",
+    ".endm",
     // All parents; shadows are looked up in a map of 2^shaded texels a side, if that is not 0.
     // Registers are saved for the caller, as its convention wants.
     ".macro RHO_BLOCK name, rows, under, shaded, band=0, cut=0, deep=0",
@@ -867,6 +915,7 @@ global_asm!(
     "ldr r3, [r0, #88]",
     "add r3, r3, r1, lsl #2",
     "add r3, r3, r2, lsl #18", // the middle plane's place
+    "RHO_HIDDEN \\rows, \\cut, \\deep",
     "mov r1, r11",
     "add r2, r0, #112",
     "ldm r2, {{r8, r9, r10, r11}}",
