@@ -138,7 +138,7 @@ pub fn render_from(
     let mut coverage = None;
     let mut tones = Box::new(SceneTones::empty());
     let instances = arrangement.turns().iter().map(|turn| turn.instance);
-    tones.prepare(blob, instances, camera, towards);
+    tones.prepare(blob, instances, camera, towards, mode.shadows);
     let palette = tones.palette(blob);
     if mode.frame == FrameMode::Quarters {
         if camera.in_quarters().is_none() {

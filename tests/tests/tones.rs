@@ -41,14 +41,9 @@ impl<V: Visibility> Visibility for Counting<V> {
         self.inner.corner(x, y)
     }
 
-    fn stamp<const ROWS: usize>(
-        &mut self,
-        stamp: Stamp,
-        mask: impl FnOnce() -> u32,
-        colour: impl Fn() -> u16,
-    ) {
+    fn stamp(&mut self, stamp: Stamp, mask: impl FnOnce() -> u32, colour: impl Fn() -> u16) {
         self.stamps += 1;
-        self.inner.stamp::<ROWS>(stamp, mask, colour);
+        self.inner.stamp(stamp, mask, colour);
     }
 }
 

@@ -75,3 +75,4 @@ pub mod reciprocal;
 pub mod render;
 pub mod scene;
 pub mod shading;
+mod unlit;

@@ -10,7 +10,7 @@
 //! (paper, section 5.5).
 
 use crate::blob::format::MAX_LIGHTS;
-use crate::blob::{Light, Material};
+use crate::blob::{Instance, Light, Material};
 use crate::q::Unit;
 use crate::quantise::{Rgb, pack};
 
@@ -75,6 +75,27 @@ impl Lighting {
         Self::new(core::iter::once(Light::white(towards)), ahead)
     }
 
+    /// Of lights in a scene's axes: the same in those of an instance's cube.
+    #[must_use]
+    pub fn turned_into(&self, instance: &Instance) -> Self {
+        let turned = |v: [i32; 3]| {
+            let v = v.map(|c| Unit::from_bits(c as i16));
+            instance.into_cube(v).map(|c| i32::from(c.to_bits()))
+        };
+        let mut all = *self;
+        for light in &mut all.lights {
+            light.towards = turned(light.towards);
+        }
+        all.eye = turned(all.eye);
+        all
+    }
+
+    /// How many lights there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
     /// How much of the first light falls on the normal (x, y, z), Q14, in 63 steps.
     #[inline(always)]
     #[must_use]
@@ -113,10 +134,22 @@ impl Surface<'_> {
     #[inline(always)]
     #[must_use]
     pub fn colour(&self, normal: [i32; 3]) -> [u32; 3] {
+        self.under::<0>(normal)
+    }
+
+    /// The same where the first light does not reach.
+    #[must_use]
+    pub fn behind_first(&self, normal: [i32; 3]) -> [u32; 3] {
+        self.under::<1>(normal)
+    }
+
+    /// The colour under the lights from the `FROM`th on.
+    #[inline(always)]
+    fn under<const FROM: usize>(&self, normal: [i32; 3]) -> [u32; 3] {
         let mut sum = self.ambient.map(u32::from);
         let parts = self.diffuse.iter().zip(&self.specular);
         let lights = self.lighting.lights.iter().zip(parts);
-        for (light, (diffuse, specular)) in lights.take(self.lighting.count) {
+        for (light, (diffuse, specular)) in lights.take(self.lighting.count).skip(FROM) {
             // Q28; of two unit vectors, so it stays within +-2^28 (1 + 2^-12).
             let cosine = dot(normal, light.towards);
             if cosine <= 0 {
@@ -137,19 +170,9 @@ impl Surface<'_> {
         sum.map(|c| c.min(1 << 15))
     }
 
-    /// What is left where no light reaches.
+    /// What is left where no light reaches, as [`Self::colour`] has it.
     #[must_use]
-    pub fn unlit(&self) -> Rgb {
-        pack(self.ambient_channels())
-    }
-
-    /// The same, RGB565.
-    #[must_use]
-    pub fn unlit565(&self) -> u16 {
-        rgb565(self.ambient_channels())
-    }
-
-    fn ambient_channels(&self) -> [u32; 3] {
+    pub fn unlit(&self) -> [u32; 3] {
         self.ambient.map(|c| u32::from(c).min(1 << 15))
     }
 

@@ -132,6 +132,16 @@ const fn max_abs(v: Point) -> i64 {
     most
 }
 
+/// A face's normal, Q14, in one of the eight octants.
+#[inline(always)]
+pub(crate) fn signed([x, y, z]: &[i16; 3], octant: usize) -> [i32; 3] {
+    let sign = |bit: usize, v: i16| {
+        let v = i32::from(v);
+        if octant & bit == 0 { v } else { -v }
+    };
+    [sign(4, *x), sign(2, *y), sign(1, *z)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

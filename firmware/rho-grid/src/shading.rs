@@ -6,7 +6,8 @@
 
 use crate::blob::format::MAX_MATERIALS;
 use crate::blob::{Blob, Grid, Layout, Material};
-use crate::lighting::{self, Lighting};
+use crate::lighting::{Lighting, rgb565};
+use crate::mode::ShadowMode;
 use crate::normal::{BITS, COUNT, FACES, OCTANT};
 use crate::q::Unit;
 use crate::quantise::{Rgb, TONES};
@@ -14,6 +15,7 @@ use crate::render::ShadowView;
 #[cfg(rho_thumb)]
 use crate::render::shadow::LookUp;
 use crate::scene::Placed;
+use crate::unlit::{self, Unlit};
 
 /// What a sample looks like, in the unit of the frame it is drawn into.
 pub trait Shade {
@@ -64,6 +66,13 @@ pub trait Shade {
         None
     }
 
+    /// The tones of what the light does not reach, and the bits of a row.
+    #[cfg(rho_thumb)]
+    #[inline(always)]
+    fn unlit_tones(&self) -> Option<(&[[u8; MAX_MATERIALS]; unlit::NORMALS], u32)> {
+        None
+    }
+
     /// Where shadows are looked up, if they are and colours are tones.
     #[cfg(rho_thumb)]
     #[inline(always)]
@@ -76,8 +85,9 @@ pub trait Shade {
 #[derive(Clone, Copy, Debug)]
 pub struct Shading<'a> {
     colours: &'a [u16],
-    /// Of each material in the dark.
-    unlit: [u16; MAX_MATERIALS],
+    /// Of each material where the first light does not reach.
+    unlit: &'a [[u16; MAX_MATERIALS]],
+    unlit_by: Unlit,
     /// Bits under the normal in an attribute word.
     under_normal: u32,
     /// The bits of the normal.
@@ -96,7 +106,7 @@ impl<'a> Shading<'a> {
     /// Words needed for `materials` materials.
     #[must_use]
     pub const fn words(materials: usize) -> usize {
-        materials * COUNT
+        materials * COUNT + MAX_MATERIALS * unlit::NORMALS
     }
 
     /// Shades every normal under every material; `None` when the table is too small.
@@ -106,28 +116,30 @@ impl<'a> Shading<'a> {
     pub fn new(
         table: &'a mut [u16],
         layout: Layout,
-        materials: impl ExactSizeIterator<Item = Material>,
+        materials: impl ExactSizeIterator<Item = Material> + Clone,
         lighting: &Lighting,
     ) -> Option<Self> {
         // Of a layout's coarser normals only those in the middle of them are looked up.
-        Self::every(table, layout, materials, lighting, 1 << lift(layout))
+        Self::every(table, layout, materials, lighting, 1 << lift(layout), false)
     }
 
-    /// The same for each `every`th normal, which serves those up to the next, too.
+    /// The same for each `every`th normal, which serves those up to the next, too; and, with
+    /// `shadows`, for what the first light does not reach.
     fn every(
         table: &'a mut [u16],
         layout: Layout,
-        materials: impl ExactSizeIterator<Item = Material>,
+        materials: impl ExactSizeIterator<Item = Material> + Clone,
         lighting: &Lighting,
         every: usize,
+        shadows: bool,
     ) -> Option<Self> {
         let words = Self::words(materials.len());
-        let table = table.get_mut(..words)?;
-        let mut unlit = [0; MAX_MATERIALS];
-        let tables = table.chunks_exact_mut(COUNT).zip(&mut unlit);
-        for (material, (colours, unlit)) in materials.zip(tables) {
+        let (unlit, table) = table.get_mut(..words)?.split_at_mut(Self::words(0));
+        let unlit = unlit.as_chunks_mut().0;
+        let unlit_by = Unlit::shade(unlit, materials.clone(), lighting, shadows, rgb565);
+        let tables = table.chunks_exact_mut(COUNT);
+        for (material, colours) in materials.zip(tables) {
             let surface = lighting.on(&material);
-            *unlit = surface.unlit565();
             for (octant, colours) in colours.chunks_exact_mut(OCTANT).enumerate() {
                 let sign = |bit: usize, v: i16| {
                     let v = i32::from(v);
@@ -142,6 +154,7 @@ impl<'a> Shading<'a> {
         Some(Self {
             colours: table,
             unlit,
+            unlit_by,
             under_normal: u32::from(layout.offset + layout.material) & 31,
             normal: layout.normal_of(u32::MAX),
             lift: lift(layout),
@@ -175,7 +188,8 @@ impl<'a> Shading<'a> {
         let materials = materials.into_iter().take(count.into());
         let coarse = blob.is_scene() && placed.grid.cells(placed.grid.subdivisions()) <= 40;
         let every = if coarse { 16 } else { 1 << lift(layout) };
-        let mut shading = Self::every(table, layout, materials, lighting, every)?;
+        let shadows = placed.mode.shadows != ShadowMode::None;
+        let mut shading = Self::every(table, layout, materials, lighting, every, shadows)?;
         if count == 1 {
             // Whatever its samples name.
             shading.material = 0;
@@ -228,8 +242,9 @@ impl Shade for Shading<'_> {
 
     #[inline(always)]
     fn unlit(&self, word: u32) -> u16 {
+        let normal = ((word >> self.under_normal) & self.normal) << self.lift;
         let material = word >> self.under_material & self.material;
-        let colour = self.unlit.get(material as usize).copied().unwrap_or(0);
+        let colour = self.unlit_by.of(self.unlit, normal, material).unwrap_or(0);
         if self.is_coloured {
             return product(colour, (word >> 16) as u16);
         }
@@ -367,7 +382,7 @@ impl Palette {
             // 8 bits to Q15, to nearest.
             let rgb = colour(tone);
             let channels = [16, 8, 0].map(|shift| (((rgb >> shift & 255) << 15) + 127) / 255);
-            *slot = lighting::rgb565(channels);
+            *slot = rgb565(channels);
             *addend = Addend::of_channels(channels);
         }
         palette
@@ -394,7 +409,7 @@ impl Palette {
 
 /// The colour under `lit` = max(0, n.l) of one white light (32768 = 1), RGB565.
 fn shade(material: &Material, lit: u32) -> u16 {
-    lighting::rgb565(lit_by_one(material, lit))
+    rgb565(lit_by_one(material, lit))
 }
 
 /// Red, green, blue of Q15, 0 to 1, under `lit` of one white light.

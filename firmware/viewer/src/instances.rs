@@ -125,11 +125,16 @@ pub(crate) struct Instances<'a, 'g> {
 impl<'g> Instances<'_, 'g> {
     /// Finds the frame's tones; before anything is drawn.
     pub(crate) fn prepare<C: Counter>(&mut self, watch: &mut Stopwatch<'_, C>) {
-        let Scene { camera, light, .. } = self.scene;
+        let Scene {
+            camera,
+            light,
+            mode,
+            ..
+        } = self.scene;
         let instances = self.arrangement.turns().iter().map(|turn| turn.instance);
         watch.time(Phase::ShadingTables, || {
             self.scene_tones
-                .prepare(self.blob, instances, camera, *light);
+                .prepare(self.blob, instances, camera, *light, mode.shadows);
         });
     }
 

@@ -228,7 +228,7 @@ impl<'a> Blob<'a> {
     }
 
     /// The materials: 1 to 8, with several objects up to 32.
-    pub fn materials(&self) -> impl ExactSizeIterator<Item = Material> + use<'a> {
+    pub fn materials(&self) -> impl ExactSizeIterator<Item = Material> + Clone + use<'a> {
         self.find(kind::MATERIALS, 0)
             .unwrap_or_default()
             .chunks_exact(MATERIAL_BYTES)

@@ -58,6 +58,23 @@ impl Instance {
         scale: Scale::ONE,
         translation: [Place::ZERO; 3],
     };
+
+    /// A direction of the scene in the axes of the instance's cube.
+    #[must_use]
+    pub fn into_cube(&self, direction: [Unit; 3]) -> [Unit; 3] {
+        let along = |axis: usize| {
+            let rows = self.rotation.iter().zip(direction);
+            // Q44, three of them.
+            let sum: i64 = rows
+                .map(|(row, d)| {
+                    let entry = row.get(axis).map_or(0, |v| v.to_bits());
+                    i64::from(entry) * i64::from(d.to_bits())
+                })
+                .sum();
+            Unit::from_bits(((sum + (1 << 29)) >> 30).clamp(-(1 << 14), 1 << 14) as i16)
+        };
+        [along(0), along(1), along(2)]
+    }
 }
 
 /// A light from afar.
@@ -172,16 +189,26 @@ impl<'a> Blob<'a> {
         self.find(kind::INSTANCES, 0).is_some()
     }
 
-    /// The lights, at most four; none when the blob does not say.
+    /// The lights, at most four, the one that casts shadows first; none when the blob does not say.
     pub fn lights(&self) -> impl ExactSizeIterator<Item = Light> + use<'a> {
-        self.find(kind::LIGHTS, 0)
-            .unwrap_or_default()
-            .chunks_exact(LIGHT_BYTES)
-            .map(|l| Light {
+        let bytes = self.find(kind::LIGHTS, 0).unwrap_or_default();
+        let (lights, _) = bytes.as_chunks::<LIGHT_BYTES>();
+        let casts = |l: &[u8; LIGHT_BYTES]| u16_at(l, 6) == 1;
+        let caster = lights.iter().position(casts).unwrap_or(0);
+        // It comes before those that were before it.
+        let at = move |index: usize| match index {
+            0 => caster,
+            _ if index <= caster => index - 1,
+            _ => index,
+        };
+        (0..lights.len()).map(move |index| {
+            let l = lights.get(at(index)).map_or(&[][..], |l| l);
+            Light {
                 towards: [0, 2, 4].map(|at| Unit::from_bits(u16_at(l, at).cast_signed())),
                 colour: [8, 10, 12].map(|at| u16_at(l, at)),
                 casts_shadows: u16_at(l, 6) == 1,
-            })
+            }
+        })
     }
 
     /// The camera, if the blob has one.

@@ -450,12 +450,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
     }
 
     #[inline(always)]
-    fn stamp<const ROWS: usize>(
-        &mut self,
-        stamp: Stamp,
-        mask: impl FnOnce() -> u32,
-        colour: impl Fn() -> u16,
-    ) {
+    fn stamp(&mut self, stamp: Stamp, mask: impl FnOnce() -> u32, colour: impl Fn() -> u16) {
         let from = stamp.corner.wrapping_add(stamp.y * STRIDE as u32 + stamp.x) as usize;
         let Some(window) = self
             .pixels
@@ -469,7 +464,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
                 let pixels = window.get(row * STRIDE..).and_then(|row| row.first_chunk());
                 spread(stamp.within, row) & !pixels.map_or(COVERED, |pixels| word(*pixels))
             };
-            if open(ROWS / 2 - 1) | open(ROWS / 2) == 0 {
+            if open(stamp.rows / 2 - 1) | open(stamp.rows / 2) == 0 {
                 return;
             }
         }
@@ -478,7 +473,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
             return;
         }
         let tone = u32::from(colour());
-        for row in 0..ROWS {
+        for row in 0..stamp.rows {
             let Some(pixels) = window
                 .get_mut(row * STRIDE..)
                 .and_then(|row| row.first_chunk_mut::<4>())
@@ -504,6 +499,7 @@ mod tests {
             corner: tones.corner(x, y),
             x: 0,
             y: 0,
+            rows: 4,
             within: 0xFFFF,
             away: false,
             w: 0,
@@ -514,8 +510,12 @@ mod tests {
     fn the_first_tone_keeps_the_pixel_and_neighbours_keep_theirs() {
         let mut buffer = [0; tone_words(12, 6)];
         let mut tones = Small::cleared(&mut buffer, 10, 6).unwrap();
-        tones.stamp::<4>(at(&tones, 2, 1), || 0b0110_1111_1111_0110, || 5);
-        tones.stamp::<2>(at(&tones, 4, 1), || 0b0011_0011, || 9);
+        tones.stamp(at(&tones, 2, 1), || 0b0110_1111_1111_0110, || 5);
+        let two = Stamp {
+            rows: 2,
+            ..at(&tones, 4, 1)
+        };
+        tones.stamp(two, || 0b0011_0011, || 9);
         let mut rows = tones.rows();
         assert_eq!(rows.next(), Some([0; 10].as_slice()));
         assert_eq!(rows.next(), Some([0, 0, 0, 5, 5, 9, 0, 0, 0, 0].as_slice()));
@@ -627,7 +627,7 @@ mod tests {
             let inside =
                 |bit: i32| (0..12).contains(&(x + bit % 4)) && (0..6).contains(&(y + bit / 4));
             let mask = (0..16).filter(|b| inside(*b)).fold(0, |m, b| m | 1 << b);
-            tones.stamp::<4>(at(&tones, x, y), || mask, || 7);
+            tones.stamp(at(&tones, x, y), || mask, || 7);
         }
         let covered: usize = tones.rows().flatten().map(|t| usize::from(t & 1)).sum();
         assert_eq!(covered, 16);

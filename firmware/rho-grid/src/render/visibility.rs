@@ -113,22 +113,17 @@ pub trait Visibility {
     }
 
     /// Draws a sample, where it shows, over the pixels that a mask of 4 x 4 names: bit `4 j + i` for
-    /// the pixel i to the right of the stamp's first one and j below it. Bits from row `ROWS` on are
+    /// the pixel i to the right of the stamp's first one and j below it. Bits from row `rows` on are
     /// 0; so are those of pixels beyond the frame.
     #[inline(always)]
-    fn stamp<const ROWS: usize>(
-        &mut self,
-        stamp: Stamp,
-        mask: impl FnOnce() -> u32,
-        colour: impl Fn() -> u16,
-    ) {
+    fn stamp(&mut self, stamp: Stamp, mask: impl FnOnce() -> u32, colour: impl Fn() -> u16) {
         let x = i32::from(stamp.corner as i16) + stamp.x as i32;
         let y = ((stamp.corner as i32) >> 16) + stamp.y as i32;
         if !self.holds(x, y) {
             return;
         }
         if stamp.away {
-            let mut middle = stamp.within & 255 << (4 * (ROWS / 2 - 1));
+            let mut middle = stamp.within & 255 << (4 * (stamp.rows / 2 - 1));
             loop {
                 if middle == 0 {
                     return;
@@ -182,6 +177,8 @@ pub struct Stamp {
     pub x: u32,
     /// And below it.
     pub y: u32,
+    /// Its rows, 2 to 4.
+    pub rows: usize,
     /// Which of the 4 x 4 pixels lie in the frame, one at least.
     pub within: u32,
     /// The sample faces away: it shows only where one of the pixels in the two middle rows of 4 x 4
@@ -578,12 +575,7 @@ impl<C: Canvas, const IN_ORDER: bool> Visibility for ZBuffer<'_, C, IN_ORDER> {
     }
 
     #[inline(always)]
-    fn stamp<const ROWS: usize>(
-        &mut self,
-        stamp: Stamp,
-        mask: impl FnOnce() -> u32,
-        colour: impl Fn() -> u16,
-    ) {
+    fn stamp(&mut self, stamp: Stamp, mask: impl FnOnce() -> u32, colour: impl Fn() -> u16) {
         let here = self.depth(stamp.w);
         let x = i32::from(stamp.corner as i16) + stamp.x as i32;
         let y = ((stamp.corner as i32) >> 16) + stamp.y as i32;
@@ -595,7 +587,7 @@ impl<C: Canvas, const IN_ORDER: bool> Visibility for ZBuffer<'_, C, IN_ORDER> {
                 let depth = self.depth.get(pixel);
                 stamp.within >> bit & 1 == 1 && depth.is_some_and(|depth| here < *depth)
             };
-            let middle = 4 * (ROWS / 2 - 1);
+            let middle = 4 * (stamp.rows / 2 - 1);
             if !(middle..middle + 8).any(shows) {
                 return;
             }

@@ -114,27 +114,10 @@ impl<'a> Placed<'a> {
     #[must_use]
     pub fn lighting(&self, blob: &Blob<'_>, first: [Unit; 3]) -> Lighting {
         let turned = lights(blob, first).map(|light| Light {
-            towards: self.into_cube(light.towards),
+            towards: self.instance.into_cube(light.towards),
             ..light
         });
         Lighting::new(turned, self.towards_eye())
-    }
-
-    /// A direction of the scene in the axes of the instance's cube.
-    #[must_use]
-    pub fn into_cube(&self, direction: [Unit; 3]) -> [Unit; 3] {
-        let along = |axis: usize| {
-            let rows = self.instance.rotation.iter().zip(direction);
-            // Q44, three of them.
-            let sum: i64 = rows
-                .map(|(row, d)| {
-                    let entry = row.get(axis).map_or(0, |v| v.to_bits());
-                    i64::from(entry) * i64::from(d.to_bits())
-                })
-                .sum();
-            Unit::from_bits(((sum + (1 << 29)) >> 30).clamp(-(1 << 14), 1 << 14) as i16)
-        };
-        [along(0), along(1), along(2)]
     }
 
     /// What [`ZBuffer`](crate::render::ZBuffer) multiplies `view`'s w by, so that depths of all

@@ -8,16 +8,21 @@
 
 use super::Placed;
 use crate::blob::format::{MAX_MATERIALS, MAX_SCENE_MATERIALS};
-use crate::blob::{Blob, Layout, Material};
+use crate::blob::{Blob, Instance, Layout, Material};
 use crate::camera::Camera;
 use crate::lighting::Lighting;
-use crate::normal::{COUNT, FACES};
+use crate::mode::ShadowMode;
+use crate::normal::{COUNT, FACES, normal, signed};
 use crate::q::Unit;
 use crate::quantise::{Quantiser, Rgb, TONES, pack};
 use crate::shading::{Palette, Shade, even_tones, steps};
+use crate::unlit::{self, Unlit};
 
 /// Steps of light on a material without highlight, under one light.
 const STEPS: usize = 64;
+
+/// How many samples of an instance say what is seen of it.
+const SAMPLES: u32 = 32;
 
 /// Words of the table: 8 materials of 2,048 normals, four tones a word.
 const WORDS: usize = MAX_MATERIALS * COUNT / 4 / 4;
@@ -33,8 +38,9 @@ pub struct SceneTones {
     /// Tones, four a word: 8,192 normals of one material, or eight materials of each of 2,048 normals.
     /// While tones are sought, the colours in hand.
     table: [u32; WORDS],
-    /// Of each material of the instance, where no light reaches.
-    unlit: [u8; MAX_MATERIALS],
+    /// Of each material of the instance, where the first light does not reach.
+    unlit: unlit::Table<u8>,
+    unlit_by: Unlit,
     fields: Fields,
 }
 
@@ -65,7 +71,8 @@ impl SceneTones {
             ramps: [[0; STEPS]; MAX_SCENE_MATERIALS],
             ramped: 0,
             table: [0; WORDS],
-            unlit: [0; MAX_MATERIALS],
+            unlit: [[0; MAX_MATERIALS]; unlit::NORMALS],
+            unlit_by: Unlit::ALIKE,
             fields: Fields {
                 under_normal: 0,
                 normal: 0,
@@ -81,19 +88,21 @@ impl SceneTones {
     }
 
     /// Finds tones for the materials of these instances under the blob's lights, the first of them
-    /// towards `first`.
+    /// towards `first`, and, if there are to be shadows, for what that one does not reach.
     pub fn prepare(
         &mut self,
         blob: &Blob<'_>,
-        instances: impl Iterator<Item = u16>,
+        instances: impl Iterator<Item = u16> + Clone,
         camera: &Camera,
         first: [Unit; 3],
+        shadows: ShadowMode,
     ) {
         if is_plain(blob) {
             return;
         }
         let mut used = 0;
-        for instance in instances.filter_map(|index| blob.instance(index)) {
+        let instances = instances.filter_map(|index| blob.instance(index));
+        for instance in instances.clone() {
             if let Some((first, count)) = blob.materials_of(&instance) {
                 let bits = (1u64 << count.min(32)) - 1;
                 used |= (bits << (first & 31)) as u32;
@@ -117,8 +126,11 @@ impl SceneTones {
         // As many normals of each of the others as there is room for.
         let ramped = self.ramped.count_ones() as usize;
         let others = (used & !self.ramped).count_ones() as usize;
-        let room = (WORDS - (STEPS * ramped).min(WORDS)) / others.max(1);
-        let every = if room >= 512 { 16 } else { 64 };
+        let is_dim = shadows != ShadowMode::None && !one;
+        let kinds = if is_dim { 2 } else { 1 };
+        // As many normals of each of the others as there is room for, beside what is seen.
+        let room = (WORDS - (STEPS * ramped).min(WORDS)) / (others * kinds).max(1);
+        let every = if room >= 640 { 16 } else { 64 };
 
         let mut count = 0;
         let mut gather = |colour: Rgb| {
@@ -136,6 +148,24 @@ impl SceneTones {
             for octant in 0..8 {
                 for face in FACES.iter().step_by(every) {
                     gather(pack(surface.colour(signed(face, octant))));
+                    if is_dim {
+                        gather(pack(surface.behind_first(signed(face, octant))));
+                    }
+                }
+            }
+        }
+        // A tone is the mean of what was gathered for it: samples draw it to what is there.
+        for instance in instances.filter(|_| others > 0) {
+            let lighting = lighting.turned_into(&instance);
+            for (m, normal) in seen(blob, &instance) {
+                if self.ramped >> (m & 31) & 1 == 1 {
+                    continue;
+                }
+                let material = blob.material(m).unwrap_or_default();
+                let surface = lighting.on(&material);
+                gather(pack(surface.colour(normal)));
+                if is_dim {
+                    gather(pack(surface.behind_first(normal)));
                 }
             }
         }
@@ -161,7 +191,9 @@ impl SceneTones {
         if is_plain(blob) {
             let materials = blob.materials().len();
             self.fields = Fields::of_one(layout, 2 * steps(materials) as u16);
-            for (unlit, material) in self.unlit.iter_mut().zip(0..) {
+            self.unlit_by = Unlit::ALIKE;
+            let [unlit, ..] = &mut self.unlit;
+            for (unlit, material) in unlit.iter_mut().zip(0..) {
                 *unlit = (2 * steps(materials) * material + 1) as u8;
             }
             let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut self.table);
@@ -174,10 +206,11 @@ impl SceneTones {
         let Some((first, count)) = blob.materials_of(&placed.instance) else {
             return;
         };
-        for (unlit, m) in self.unlit.iter_mut().zip(first..) {
-            let material = blob.material(m).unwrap_or_default();
-            *unlit = 2 * self.quantiser.tone(lighting.on(&material).unlit()) + 1;
-        }
+        let materials = first..first.saturating_add(count);
+        let materials = materials.map(|m| blob.material(m).unwrap_or_default());
+        let shadows = placed.mode.shadows != ShadowMode::None;
+        let tone = |channels| 2 * self.quantiser.tone(pack(channels)) + 1;
+        self.unlit_by = Unlit::shade(&mut self.unlit, materials, lighting, shadows, tone);
         let is_coloured = layout.colour > 0 && placed.instance.material.is_none();
         let fine = placed.grid.cells(placed.grid.subdivisions()) > 40;
         let every = if fine { 4 } else { 16 };
@@ -287,14 +320,22 @@ impl SceneTones {
     }
 }
 
-/// A face's normal in one of the eight octants.
-#[inline(always)]
-fn signed([x, y, z]: &[i16; 3], octant: usize) -> [i32; 3] {
-    let sign = |bit: usize, v: i16| {
-        let v = i32::from(v);
-        if octant & bit == 0 { v } else { -v }
-    };
-    [sign(4, *x), sign(2, *y), sign(1, *z)]
+/// Material and normal of some of an instance's samples.
+fn seen(blob: &Blob<'_>, instance: &Instance) -> impl Iterator<Item = (u16, [i32; 3])> {
+    let object = blob.object(instance.object);
+    let grid = object.and_then(|object| Some((object, blob.grid(object.first_grid)?)));
+    let of = instance.material;
+    grid.into_iter().flat_map(move |(object, grid)| {
+        let layout = grid.layout();
+        let apart = grid.leaf_samples().div_ceil(SAMPLES) as usize;
+        let leaves = grid.first_leaf()..grid.first_leaf().saturating_add(grid.leaf_samples());
+        leaves.step_by(apart).map(move |leaf| {
+            let word = grid.attribute(leaf);
+            let named = object.first_material + layout.material_of(word) as u16;
+            let normal = normal(layout.normal_13(word)).map(|c| i32::from(c.to_bits()));
+            (of.unwrap_or(named), normal)
+        })
+    })
 }
 
 /// Whether a blob is one model whose samples have no colours of their own.
@@ -365,7 +406,15 @@ impl Shade for SceneTones {
         } else {
             0
         };
-        u16::from(self.unlit.get(material as usize).copied().unwrap_or(0))
+        let normal = ((word >> f.under_normal) & f.normal) << f.lift;
+        let tone = self.unlit_by.of(&self.unlit, normal, material);
+        u16::from(tone.unwrap_or(0))
+    }
+
+    #[cfg(rho_thumb)]
+    #[inline(always)]
+    fn unlit_tones(&self) -> Option<(&unlit::Table<u8>, u32)> {
+        Some((&self.unlit, self.unlit_by.rows()))
     }
 
     #[inline(always)]

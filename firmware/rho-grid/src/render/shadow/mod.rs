@@ -39,6 +39,8 @@ use crate::blob::{Blob, Grid, Instance};
 use crate::mode::{LightSplat, MapSize};
 use crate::q::Unit;
 use crate::shading::Shade;
+#[cfg(rho_thumb)]
+use crate::unlit;
 
 /// The tables of a scene in its light: of the instance that is drawn, and of the one that casts.
 #[derive(Clone, Debug)]
@@ -155,8 +157,9 @@ fn instances(blob: &Blob<'_>) -> impl Iterator<Item = Instance> {
 #[cfg(rho_thumb)]
 #[derive(Clone, Copy, Debug)]
 pub struct LookUp<'a> {
-    /// The tone of the first material where the light does not reach it.
-    pub(super) unlit: u8,
+    /// The tones of what the light does not reach, the first material's first, by normal; and the bits
+    /// of a row.
+    pub(super) unlit: (&'a unlit::Table<u8>, u32),
     /// By the upper seven bits of a word and its lowest three.
     pub(super) moved: &'a [[u32; 8]; 128],
     /// `2^bits` texels a side.
@@ -204,7 +207,7 @@ impl<S: Shade> Shade for Shadowed<'_, S> {
     #[cfg(rho_thumb)]
     fn look_up(&self) -> Option<LookUp<'_>> {
         Some(LookUp {
-            unlit: self.shade.unlit(0) as u8,
+            unlit: self.shade.unlit_tones()?,
             moved: self.view.moved().table()?,
             map: self.map.texels(),
             bits: self.map.size().bits(),

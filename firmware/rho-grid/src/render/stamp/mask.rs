@@ -15,7 +15,6 @@
 //! ```
 
 use super::entry;
-use crate::render::visibility::{Stamp, Visibility};
 
 /// Directions across the strip, half a turn in equal parts.
 pub(super) const DIRECTIONS: usize = 16;
@@ -234,6 +233,46 @@ pub(super) enum Circle {
 }
 
 impl Circle {
+    /// Rows and columns of its window: its centre lies half as many pixels from the window's edge, and a
+    /// part of a pixel.
+    #[inline(always)]
+    pub(super) fn rows(self) -> usize {
+        match self {
+            Self::Two(_) => 2,
+            Self::Three(_) => 3,
+            Self::Four(_) => 4,
+        }
+    }
+
+    /// Those of strips in its window.
+    #[inline(always)]
+    pub(super) fn directions(self) -> &'static [Direction; DIRECTIONS] {
+        let [two, three, four] = &WINDOWS;
+        match self {
+            Self::Two(_) => two,
+            Self::Three(_) => three,
+            Self::Four(_) => four,
+        }
+    }
+
+    /// The mask at the centre `parts`: its part of a pixel beyond that, 1024 to the pixel, x in the
+    /// lower half and y in the upper.
+    #[inline(always)]
+    fn mask(self, parts: u32) -> u32 {
+        match self {
+            // Four bits of each.
+            Self::Two(table) => {
+                let place = parts >> 6 & 15 | (parts >> 22 & 15) << 4;
+                u32::from(entry(table, place))
+            }
+            // Three bits of each.
+            Self::Three(table) | Self::Four(table) => {
+                let place = parts >> 7 & 7 | (parts >> 23 & 7) << 3;
+                u32::from(entry(table, place))
+            }
+        }
+    }
+
     /// For a radius of `r` (256 to the pixel); `None` when it is above [`LARGEST`].
     pub(super) fn of(r: u32) -> Option<Self> {
         let level = usize::from(*LEVEL_OF.get(r as usize / 16)?);
@@ -251,112 +290,11 @@ impl Circle {
     }
 }
 
-/// A circle of known rows.
-pub(super) trait Round: Copy {
-    /// Rows and columns of its window: its centre lies `ROWS / 2` pixels from the window's edge, and
-    /// a part of a pixel.
-    const ROWS: usize;
-
-    /// The mask at the centre `parts`: its part of a pixel beyond that, 1024 to the pixel, x in the
-    /// lower half and y in the upper.
-    fn mask(self, parts: u32) -> u32;
-
-    /// Stamps a mask of that many rows.
-    fn stamp<V: Visibility>(
-        target: &mut V,
-        stamp: Stamp,
-        mask: impl FnOnce() -> u32,
-        colour: impl Fn() -> u16,
-    );
-}
-
-/// A circle of two rows.
-#[derive(Clone, Copy)]
-pub(super) struct Two(pub(super) &'static [u8; 256]);
-/// A circle of three rows.
-#[derive(Clone, Copy)]
-pub(super) struct Three(pub(super) &'static [u16; 64]);
-/// A circle of four rows.
-#[derive(Clone, Copy)]
-pub(super) struct Four(pub(super) &'static [u16; 64]);
-
-impl Round for Two {
-    const ROWS: usize = 2;
-
-    #[inline(always)]
-    fn stamp<V: Visibility>(
-        target: &mut V,
-        stamp: Stamp,
-        mask: impl FnOnce() -> u32,
-        colour: impl Fn() -> u16,
-    ) {
-        target.stamp::<2>(stamp, mask, colour);
-    }
-
-    #[inline(always)]
-    fn mask(self, parts: u32) -> u32 {
-        // Four bits of each.
-        let place = parts >> 6 & 15 | (parts >> 22 & 15) << 4;
-        u32::from(entry(self.0, place))
-    }
-}
-
-/// Three bits of each.
-#[inline(always)]
-fn large(table: &'static [u16; 64], parts: u32) -> u32 {
-    let place = parts >> 7 & 7 | (parts >> 23 & 7) << 3;
-    u32::from(entry(table, place))
-}
-
-impl Round for Three {
-    const ROWS: usize = 3;
-
-    #[inline(always)]
-    fn stamp<V: Visibility>(
-        target: &mut V,
-        stamp: Stamp,
-        mask: impl FnOnce() -> u32,
-        colour: impl Fn() -> u16,
-    ) {
-        target.stamp::<3>(stamp, mask, colour);
-    }
-
-    #[inline(always)]
-    fn mask(self, parts: u32) -> u32 {
-        large(self.0, parts)
-    }
-}
-
-impl Round for Four {
-    const ROWS: usize = 4;
-
-    #[inline(always)]
-    fn stamp<V: Visibility>(
-        target: &mut V,
-        stamp: Stamp,
-        mask: impl FnOnce() -> u32,
-        colour: impl Fn() -> u16,
-    ) {
-        target.stamp::<4>(stamp, mask, colour);
-    }
-
-    #[inline(always)]
-    fn mask(self, parts: u32) -> u32 {
-        large(self.0, parts)
-    }
-}
-
-/// The mask of a disc: `parts` as [`Round::mask`] has them, `direction` that of its normal on the
+/// The mask of a disc: `parts` as [`Circle::mask`] has them, `direction` that of its normal on the
 /// screen, `half` the strip's half width in sixteenths of a pixel.
 #[inline(always)]
-pub(super) fn disc<C: Round>(circle: C, parts: u32, direction: u32, half: u32) -> u32 {
-    let [two, three, four] = &WINDOWS;
-    let directions = match C::ROWS {
-        2 => two,
-        3 => three,
-        _ => four,
-    };
-    let direction = entry(directions, direction);
+pub(super) fn disc(circle: Circle, parts: u32, direction: u32, half: u32) -> u32 {
+    let direction = entry(circle.directions(), direction);
     // x ax + y ay in the upper half: the lower one, x ay, is not negative and does not reach it.
     // Rounded to sixteenths.
     let along = parts.wrapping_mul(direction.across).wrapping_add(1 << 25) as i32 >> 26;
@@ -396,11 +334,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn round(r: u32, parts: u32, direction: u32, half: u32) -> (u32, usize) {
-        match Circle::of(r).unwrap() {
-            Circle::Two(c) => (disc(Two(c), parts, direction, half), 2),
-            Circle::Three(c) => (disc(Three(c), parts, direction, half), 3),
-            Circle::Four(c) => (disc(Four(c), parts, direction, half), 4),
-        }
+        let circle = Circle::of(r).unwrap();
+        (disc(circle, parts, direction, half), circle.rows())
     }
 
     #[test]

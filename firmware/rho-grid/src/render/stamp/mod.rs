@@ -47,7 +47,7 @@ use crate::reciprocal::Reciprocal;
 use crate::shading::Shade;
 use edge::Edges;
 use lists::{FIRST, Order};
-use mask::{Circle, Four, Round, Three, Two};
+use mask::Circle;
 
 /// The entry of a table at `index`, taken modulo its length.
 #[inline(always)]
@@ -494,11 +494,7 @@ impl<'v> Stamps<'v> {
         if F::thumb(self, target, parents, shading) {
             return;
         }
-        match self.circle {
-            Circle::Two(c) => self.block::<F, V, R, _>(target, parents, Two(c), shading),
-            Circle::Three(c) => self.block::<F, V, R, _>(target, parents, Three(c), shading),
-            Circle::Four(c) => self.block::<F, V, R, _>(target, parents, Four(c), shading),
-        }
+        self.block::<F, V, R>(target, parents, shading);
     }
 
     /// What is taken from four times a screen coordinate (Q8 from the axis) for its packed place:
@@ -513,16 +509,15 @@ impl<'v> Stamps<'v> {
     }
 
     #[inline(never)]
-    fn block<F: Fields, V: Visibility, R: Reciprocal, C: Round>(
+    fn block<F: Fields, V: Visibility, R: Reciprocal>(
         &self,
         target: &mut V,
         parents: &Parents<'_, '_, F::Word>,
-        circle: C,
         shading: &impl Shade,
     ) {
         let (x, y) = self.corner;
         let corner = target.corner(x, y);
-        let (x, y) = self.origin(C::ROWS as i32);
+        let (x, y) = self.origin(self.circle.rows() as i32);
         let mut tail = [F::Word::default(); 16];
         // From entry `FIRST` on.
         let [a, b, c, d, e, f, g, h, i] = self.depths_of_plane();
@@ -591,21 +586,20 @@ impl<'v> Stamps<'v> {
                 };
                 let cells = cells.iter().take(count);
                 if order.is_backwards() {
-                    self.samples::<F, _, _>(target, &samples, cells.rev(), circle, shading);
+                    self.samples::<F, _>(target, &samples, cells.rev(), shading);
                 } else {
-                    self.samples::<F, _, _>(target, &samples, cells, circle, shading);
+                    self.samples::<F, _>(target, &samples, cells, shading);
                 }
             }
         }
     }
 
     #[inline(always)]
-    fn samples<'l, F: Fields, V: Visibility, C: Round>(
+    fn samples<'l, F: Fields, V: Visibility>(
         &self,
         target: &mut V,
         samples: &Samples<'_, F::Word>,
         cells: impl Iterator<Item = &'l u8>,
-        circle: C,
         shading: &impl Shade,
     ) {
         for cell in cells {
@@ -629,12 +623,13 @@ impl<'v> Stamps<'v> {
             let mask = || {
                 let cosine = u64::from(towards.unsigned_abs());
                 let half = ((cosine * u64::from(self.breadth)) >> 32) as u32;
-                mask::disc(circle, place & 0x03FF_03FF, class.towards, half) & within
+                mask::disc(self.circle, place & 0x03FF_03FF, class.towards, half) & within
             };
             let stamp = Stamp {
                 corner: samples.corner,
                 x,
                 y,
+                rows: self.circle.rows(),
                 within,
                 away: towards < 0,
                 w: samples.w + entry(samples.depths, cell),
@@ -648,7 +643,7 @@ impl<'v> Stamps<'v> {
                     shading.colour_at(word, at.wrapping_add(d.unwrap_or(0)))
                 }
             };
-            C::stamp(target, stamp, mask, colour);
+            target.stamp(stamp, mask, colour);
         }
     }
 }

@@ -24,6 +24,7 @@
 //!   a place within a window and a half width stays outside; [`stamp`] bounds `breadth`.
 //! * *circle*: eight or six bits of place, and [`Circle`] has a table of as many.
 //! * *spread*: eight bits of a mask.
+//! * *unlit*: eight bits of a word of 16; there are [`NORMALS`](crate::unlit::NORMALS) rows.
 //! * *in the light*: displacements by subcell and by a list's number, as above; of what a word is moved by,
 //!   its upper seven and its lowest three bits; the map by as many bits of u and of v as its side has, which
 //!   [`stamp`] compares with its length.
@@ -43,14 +44,16 @@ use core::mem::MaybeUninit;
 
 use super::edge::{Edges, Within};
 use super::lists::{FIRST, LISTS, Lists};
-use super::mask::{Direction, HALF_PLANES, WINDOWS};
+use super::mask::{Direction, HALF_PLANES};
 use super::{Circle, FAR_AWAY, MAX_PARENTS, Parents, Stamps, classes};
 use crate::blob::facing::{TWO_SIDED, WIDTH_BITS};
+use crate::blob::format::MAX_MATERIALS;
 use crate::normal::COUNT;
 use crate::render::project::Homogeneous;
 use crate::render::tones::{SPREAD, margin};
 use crate::render::visibility::{Bytes, Depths, Visibility};
 use crate::shading::Shade;
+use crate::unlit::NORMALS;
 
 /// What the assembly reads; the offsets stand in its first lines.
 #[repr(C)]
@@ -128,12 +131,14 @@ struct Block {
     nearer: i32,
     /// 308: how far from its parent's place a sample's may be.
     around: u32,
+    /// 312: tones where the first of several lights does not reach, eight of each normal.
+    unlit: *const u8,
 }
 
 /// What looking up a sample's shadow needs.
 #[repr(C)]
 struct InLight {
-    /// 180: the tone of what the light does not reach.
+    /// 180: the sample's tone where the light does not reach it.
     unlit: u32,
     /// 184: by class of normal and offset.
     moved: *const u32,
@@ -190,6 +195,15 @@ unsafe extern "C" {
     fn rho_grid_stamp_two_256(block: *mut Block);
     fn rho_grid_stamp_three_256(block: *mut Block);
     fn rho_grid_stamp_four_256(block: *mut Block);
+    fn rho_grid_stamp_two_64_dim(block: *mut Block);
+    fn rho_grid_stamp_two_128_dim(block: *mut Block);
+    fn rho_grid_stamp_two_256_dim(block: *mut Block);
+    fn rho_grid_stamp_three_64_dim(block: *mut Block);
+    fn rho_grid_stamp_three_128_dim(block: *mut Block);
+    fn rho_grid_stamp_three_256_dim(block: *mut Block);
+    fn rho_grid_stamp_four_64_dim(block: *mut Block);
+    fn rho_grid_stamp_four_128_dim(block: *mut Block);
+    fn rho_grid_stamp_four_256_dim(block: *mut Block);
     fn rho_grid_stamp_deep_two(block: *mut Block);
     fn rho_grid_stamp_deep_three(block: *mut Block);
     fn rho_grid_stamp_deep_four(block: *mut Block);
@@ -237,6 +251,14 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         return false;
     }
     let bits = shadows.map_or(0, |shadows| shadows.bits);
+    let (unlit, unlit_of_all, is_dim) = match shadows {
+        None => (core::ptr::null(), 0, false),
+        Some(shadows) => {
+            let (table, rows) = shadows.unlit;
+            let [[first, ..], ..] = table;
+            (table.as_ptr().cast(), u32::from(*first), rows > 0)
+        }
+    };
     let light = match (shadows, &parents.light) {
         (None, None) => InLight::NONE,
         // Of one material, and maps of the three sizes.
@@ -247,7 +269,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
                 && shadows.map.len() >> bits >> bits > 0 =>
         {
             InLight {
-                unlit: shadows.unlit.into(),
+                unlit: unlit_of_all,
                 moved: shadows.moved.as_ptr().cast(),
                 parent: 0,
                 plane: core::ptr::null(),
@@ -317,12 +339,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         Circle::Three(circle) => (3, circle.as_ptr().cast()),
         Circle::Four(circle) => (4, circle.as_ptr().cast()),
     };
-    let [two, three, four] = &WINDOWS;
-    let directions = match rows {
-        2 => two,
-        3 => three,
-        _ => four,
-    };
+    let directions = stamps.circle.directions();
     let (x, y) = stamps.origin(rows);
     let order = order.as_ptr_range();
     let mut block = Block {
@@ -377,6 +394,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         here: 0,
         nearer: stamps.depths.iter().map(|step| step.abs()).sum(),
         around: stamps.around(),
+        unlit,
     };
     let loops: Loops = match (BOTH, edges.is_some()) {
         (_, true) if band.is_some() => [
@@ -424,26 +442,41 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
             rho_grid_stamp_three_cut,
             rho_grid_stamp_four_cut,
         ],
-        (false, false) => match bits {
-            0 => [
+        (false, false) => match (bits, is_dim) {
+            (0, _) => [
                 rho_grid_stamp_two,
                 rho_grid_stamp_three,
                 rho_grid_stamp_four,
             ],
-            6 => [
+            (6, false) => [
                 rho_grid_stamp_two_64,
                 rho_grid_stamp_three_64,
                 rho_grid_stamp_four_64,
             ],
-            7 => [
+            (7, false) => [
                 rho_grid_stamp_two_128,
                 rho_grid_stamp_three_128,
                 rho_grid_stamp_four_128,
             ],
-            _ => [
+            (_, false) => [
                 rho_grid_stamp_two_256,
                 rho_grid_stamp_three_256,
                 rho_grid_stamp_four_256,
+            ],
+            (6, true) => [
+                rho_grid_stamp_two_64_dim,
+                rho_grid_stamp_three_64_dim,
+                rho_grid_stamp_four_64_dim,
+            ],
+            (7, true) => [
+                rho_grid_stamp_two_128_dim,
+                rho_grid_stamp_three_128_dim,
+                rho_grid_stamp_four_128_dim,
+            ],
+            (_, true) => [
+                rho_grid_stamp_two_256_dim,
+                rho_grid_stamp_three_256_dim,
+                rho_grid_stamp_four_256_dim,
             ],
         },
     };
@@ -470,6 +503,8 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, deep_z) == 280);
     assert!(core::mem::offset_of!(Block, here) == 300);
     assert!(core::mem::offset_of!(Block, around) == 308);
+    assert!(core::mem::offset_of!(Block, unlit) == 312);
+    assert!(NORMALS == 256 && MAX_MATERIALS == 8);
     assert!(FIRST == 2);
     assert!(size_of::<Within>() == 4);
     assert!(FAR_AWAY == -0x1000_0000);
@@ -483,18 +518,24 @@ const _: () = {
 global_asm!(
     // The tone of a sample into r7, where something may lie between it and the light; the table of
     // spread bits into r12. Takes r8 for the word and r1 for the next entry; r9 and r11 are free.
-    ".macro RHO_SHADED backwards, bits",
+    ".macro RHO_SHADED backwards, bits, dim",
     "ldr r12, [r0, #60]",
     "lsr r9, r8, #3",
     "ldrb r7, [r12, r9]", // the tone in the light
+    ".if \\dim",
+    "ldr r11, [r0, #312]",
+    "lsr r12, r8, #8",
+    "ldrb r12, [r11, r12, lsl #3]", // and where that does not reach
+    "str r12, [r0, #180]",
+    ".else",
     "ldr r12, [r0, #180]",
+    ".endif",
     "cmp r7, r12",
     "beq 6f", // it faces away
     "ldr r12, [r0, #184]",
-    "lsr r9, r8, #9",
-    "add r12, r12, r9, lsl #5",
-    "and r8, r8, #7",
-    "ldr r9, [r12, r8, lsl #2]", // what its normal and offset move it by
+    "lsr r9, r8, #6",
+    "bfi r9, r8, #0, #3",
+    "ldr r9, [r12, r9, lsl #2]", // what its normal and offset move it by
     ".if \\backwards",
     "ldrb r8, [r1]",
     ".else",
@@ -706,7 +747,7 @@ global_asm!(
     "ands lr, lr, r12", // the mask
     "beq 4f",
     ".if \\shaded",
-    "RHO_SHADED \\backwards, \\shaded",
+    "RHO_SHADED \\backwards, (\\shaded & 15), (\\shaded >> 4)",
     "RHO_ROWS \\rows, r7, \\band",
     "ldr r7, [r0, #76]",
     ".else",
@@ -847,7 +888,8 @@ global_asm!(
     "15:",
     ".endif",
     ".endm",
-    // All parents; shadows are looked up in a map of 2^shaded texels a side, if that is not 0.
+    // All parents; shadows are looked up in a map of 2^shaded texels a side, if that is not 0, and with 16
+    // more under several lights.
     // Registers are saved for the caller, as its convention wants.
     ".macro RHO_BLOCK name, rows, under, shaded, band=0, cut=0, deep=0",
     ".section .text.\\name,\"ax\",%progbits",
@@ -1051,6 +1093,15 @@ global_asm!(
     "RHO_BLOCK rho_grid_stamp_deep_both_two_cut, 2, 2, 0, 0, 1, 1",
     "RHO_BLOCK rho_grid_stamp_deep_both_three_cut, 3, 2, 0, 0, 1, 1",
     "RHO_BLOCK rho_grid_stamp_deep_both_four_cut, 4, 2, 0, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_two_64_dim, 2, 3, 22",
+    "RHO_BLOCK rho_grid_stamp_two_128_dim, 2, 3, 23",
+    "RHO_BLOCK rho_grid_stamp_two_256_dim, 2, 3, 24",
+    "RHO_BLOCK rho_grid_stamp_three_64_dim, 3, 3, 22",
+    "RHO_BLOCK rho_grid_stamp_three_128_dim, 3, 3, 23",
+    "RHO_BLOCK rho_grid_stamp_three_256_dim, 3, 3, 24",
+    "RHO_BLOCK rho_grid_stamp_four_64_dim, 4, 3, 22",
+    "RHO_BLOCK rho_grid_stamp_four_128_dim, 4, 3, 23",
+    "RHO_BLOCK rho_grid_stamp_four_256_dim, 4, 3, 24",
     "RHO_BLOCK rho_grid_stamp_two_64, 2, 3, 6",
     "RHO_BLOCK rho_grid_stamp_three_64, 3, 3, 6",
     "RHO_BLOCK rho_grid_stamp_four_64, 4, 3, 6",
