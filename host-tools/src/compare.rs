@@ -35,8 +35,8 @@ pub struct Depths<'a> {
 /// How near a picture comes to its reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Peak signal to noise over the union, in decibels: RGB 0 to 255, uncovered pixels of
-    /// the picture black; [`EQUAL`] at most. `None` when there is no such pixel.
+    /// Peak signal to noise over the union, in decibels: RGB 0 to 255, both before the background;
+    /// [`EQUAL`] at most. `None` when there is no such pixel.
     pub psnr_union: Option<f64>,
     /// The same over the inside.
     pub psnr_inside: Option<f64>,
@@ -115,12 +115,8 @@ pub fn compare(
         intersection: both,
         inside: count(&inside),
     };
-    // Where coverage is known, what is covered in part has its part of a colour already.
-    let ours_rgb = match &picture.coverage {
-        Some(_) => picture.rgb.clone(),
-        None => blackened(picture, &ours),
-    };
-    let theirs_rgb = &reference.rgb;
+    let ours_rgb = before(picture, background);
+    let theirs_rgb = &before(reference, background);
     let leaks = depths.map(|depths| {
         let values = depths.picture.values.iter().zip(&depths.reference.values);
         values
@@ -159,11 +155,19 @@ fn silhouette(picture: &Picture, background: [u8; 3]) -> Vec<bool> {
     }
 }
 
-/// The picture with its uncovered pixels black.
-fn blackened(picture: &Picture, covered: &[bool]) -> Vec<[u8; 3]> {
-    let pixels = picture.rgb.iter().zip(covered);
+/// The picture before a background, which it has already if it tells one or has no coverage.
+fn before(picture: &Picture, background: [u8; 3]) -> Vec<[u8; 3]> {
+    let (Some(coverage), None) = (&picture.coverage, picture.background) else {
+        return picture.rgb.clone();
+    };
+    let part = |c: u8, behind: u8, coverage: u8| {
+        let part = (u32::from(behind) * u32::from(255 - coverage) + 127) / 255;
+        c.saturating_add(part as u8)
+    };
+    let pixels = picture.rgb.iter().zip(coverage);
+    let [r, g, b] = background;
     pixels
-        .map(|(&c, &covered)| if covered { c } else { [0; 3] })
+        .map(|(&[pr, pg, pb], &a)| [part(pr, r, a), part(pg, g, a), part(pb, b, a)])
         .collect()
 }
 

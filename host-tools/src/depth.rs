@@ -8,7 +8,7 @@ use std::path::Path;
 use png::{BitDepth, ColorType, Transformations};
 
 use crate::failure::{Failure, Outcome};
-use crate::picture::{decode, encode, read_file};
+use crate::picture::{Head, decode, encode, read_file};
 use crate::replace::replace;
 
 const NEAR: &str = "rho-depth-near";
@@ -51,14 +51,15 @@ impl Depth {
             .flat_map(|&d| word(d).to_be_bytes())
             .collect();
         let texts = [(NEAR, near.to_string()), (FAR, far.to_string())];
-        encode(
-            self.width,
-            self.height,
-            ColorType::Grayscale,
-            BitDepth::Sixteen,
-            &texts,
-            &data,
-        )
+        let head = Head {
+            width: self.width,
+            height: self.height,
+            kind: ColorType::Grayscale,
+            depth: BitDepth::Sixteen,
+            background: None,
+            texts: &texts,
+        };
+        encode(&head, &data)
     }
 
     /// Reads a PNG that [`Depth::to_png`] made; `name` stands in messages.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use png::{BitDepth, ColorType, Decoder, Encoder, Transformations};
+use png::{BitDepth, ColorType, Decoder, Encoder, Transformations, chunk};
 
 use crate::failure::{Failure, Outcome};
 use crate::replace::replace;
@@ -23,6 +23,8 @@ pub struct Picture {
     /// How much of each pixel is covered, 0 to 255 for none to all; `None` when that is not
     /// known and a covered pixel is one that differs from the background.
     pub coverage: Option<Vec<u8>>,
+    /// What stands behind, if that is known: then `rgb` has its part of it.
+    pub background: Option<[u8; 3]>,
 }
 
 impl Picture {
@@ -34,6 +36,7 @@ impl Picture {
             height,
             rgb: vec![colour; width as usize * height as usize],
             coverage: None,
+            background: None,
         }
     }
 
@@ -53,6 +56,7 @@ impl Picture {
             height,
             rgb: words.iter().copied().map(rgb888).collect(),
             coverage: None,
+            background: None,
         }
     }
 
@@ -62,7 +66,8 @@ impl Picture {
         self.rgb.iter().copied().map(rgb565).collect()
     }
 
-    /// Reads a PNG of any kind as 8-bit RGB; its alpha becomes the coverage.
+    /// Reads a PNG of any kind as 8-bit RGB; its alpha becomes the coverage, and its `bKGD` the
+    /// background.
     ///
     /// # Errors
     /// Exit 2 when the file cannot be read, is not a PNG, is damaged, or has more than 2^26
@@ -105,6 +110,7 @@ impl Picture {
             height: info.height,
             rgb,
             coverage,
+            background: info.background,
         })
     }
 
@@ -120,7 +126,15 @@ impl Picture {
                 (ColorType::Rgba, data)
             }
         };
-        encode(self.width, self.height, kind, BitDepth::Eight, &[], &data)
+        let head = Head {
+            width: self.width,
+            height: self.height,
+            kind,
+            depth: BitDepth::Eight,
+            background: self.background,
+            texts: &[],
+        };
+        encode(&head, &data)
     }
 
     /// Replaces the PNG at `path`, at once and whole.
@@ -160,6 +174,8 @@ pub(crate) struct PngInfo {
     pub(crate) height: u32,
     pub(crate) color_type: ColorType,
     pub(crate) bit_depth: BitDepth,
+    /// The bKGD chunk, of 8 bits a channel.
+    pub(crate) background: Option<[u8; 3]>,
     /// The tEXt chunks.
     pub(crate) texts: Vec<(String, String)>,
 }
@@ -195,6 +211,10 @@ pub(crate) fn decode(
             height,
             color_type: frame.color_type,
             bit_depth: frame.bit_depth,
+            background: match reader.info().bkgd.as_deref() {
+                Some(&[0, r, 0, g, 0, b]) => Some([r, g, b]),
+                _ => None,
+            },
             texts: texts
                 .iter()
                 .map(|t| (t.keyword.clone(), t.text.clone()))
@@ -206,28 +226,37 @@ pub(crate) fn decode(
 
 /// # Panics
 /// When `data` is not what the size and the kind ask for: the callers' own arithmetic.
-pub(crate) fn encode(
-    width: u32,
-    height: u32,
-    kind: ColorType,
-    depth: BitDepth,
-    texts: &[(&str, String)],
-    data: &[u8],
-) -> Vec<u8> {
+pub(crate) fn encode(head: &Head<'_>, data: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let mut encoder = Encoder::new(&mut bytes, width, height);
-    encoder.set_color(kind);
-    encoder.set_depth(depth);
-    let written = texts
+    let mut encoder = Encoder::new(&mut bytes, head.width, head.height);
+    encoder.set_color(head.kind);
+    encoder.set_depth(head.depth);
+    let written = head
+        .texts
         .iter()
         .try_for_each(|(key, text)| encoder.add_text_chunk((*key).to_owned(), text.clone()))
         .and_then(|()| encoder.write_header())
         .and_then(|mut writer| {
+            if let Some([r, g, b]) = head.background {
+                writer.write_chunk(chunk::bKGD, &[0, r, 0, g, 0, b])?;
+            }
             writer.write_image_data(data)?;
             writer.finish()
         });
     written.expect("a picture has at least one pixel, and memory does not fail to be written");
     bytes
+}
+
+/// What a PNG says before its rows.
+pub(crate) struct Head<'a> {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) kind: ColorType,
+    pub(crate) depth: BitDepth,
+    /// The bKGD chunk, of 8 bits a channel.
+    pub(crate) background: Option<[u8; 3]>,
+    /// tEXt chunks.
+    pub(crate) texts: &'a [(&'a str, String)],
 }
 
 #[cfg(test)]
@@ -240,6 +269,7 @@ mod tests {
             height: 2,
             rgb: (0..6).map(|i| [i * 40, 255 - i, i]).collect(),
             coverage: coverage.then(|| vec![0, 51, 128, 255, 1, 254]),
+            background: coverage.then_some([8, 0, 255]),
         }
     }
 

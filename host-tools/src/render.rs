@@ -19,7 +19,7 @@ use rho_grid::scene::{Arrangement, Placed, SceneTones, Turn};
 use rho_grid::shading::{Shade, Shading};
 
 use crate::failure::{Failure, Outcome};
-use crate::picture::Picture;
+use crate::picture::{Picture, rgb888};
 use crate::view::View;
 
 /// Pixels a row of the widest picture.
@@ -42,6 +42,11 @@ pub struct Drawn {
     pub coverage: Option<Vec<u8>>,
 }
 
+/// A background of RGB565 words as pictures tell it: black is what they have without one.
+fn behind(background: u16) -> Option<[u8; 3]> {
+    (background != 0).then(|| rgb888(background))
+}
+
 impl Drawn {
     /// Pixels that differ from the background.
     #[must_use]
@@ -54,6 +59,7 @@ impl Drawn {
     pub fn picture(&self) -> Picture {
         Picture {
             coverage: self.coverage.clone(),
+            background: behind(self.background),
             ..Picture::from_rgb565(self.width.into(), self.height.into(), &self.words)
         }
     }
@@ -238,7 +244,10 @@ pub fn picture(
             return Ok(ours.picture());
         }
     }
-    Ok(Picture::from_rgb565(width.into(), height.into(), words))
+    Ok(Picture {
+        background: behind(blob.background()),
+        ..Picture::from_rgb565(width.into(), height.into(), words)
+    })
 }
 
 /// Tones in rows for the widest picture.

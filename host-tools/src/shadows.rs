@@ -91,6 +91,7 @@ mod tests {
             height: 1,
             rgb: greys.map(|grey| [grey; 3]).to_vec(),
             coverage: None,
+            background: None,
         }
     }
 

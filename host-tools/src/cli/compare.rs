@@ -30,9 +30,9 @@ pub struct Compare {
     pub picture: PathBuf,
     /// A PNG that `rho reference` wrote
     pub reference: PathBuf,
-    /// What an uncovered pixel of PICTURE looks like
-    #[arg(long, value_name = "RRGGBB", default_value = "000000")]
-    pub background: Colour,
+    /// What an uncovered pixel of PICTURE looks like; without it, what its PNG says, or black
+    #[arg(long, value_name = "RRGGBB")]
+    pub background: Option<Colour>,
     /// The depth of PICTURE, to count leaks
     #[arg(long, value_name = "P.png", requires_all = ["reference_depth", "cells"])]
     pub depth: Option<PathBuf>,
@@ -118,13 +118,15 @@ impl Compare {
             reference,
             cell: 1.0 / f64::from(*cells),
         });
-        let result = compare::compare(&picture, &reference, self.background.0, depths)?;
+        let told = picture.background.unwrap_or_default();
+        let background = self.background.map_or(told, |colour| colour.0);
+        let result = compare::compare(&picture, &reference, background, depths)?;
         let shadows = match (&self.lit, &self.reference_lit) {
             (Some(lit), Some(reference_lit)) => {
                 let (lit, reference_lit) = (Picture::read(lit)?, Picture::read(reference_lit)?);
                 let pair = |shadowed, lit| Pair { shadowed, lit };
                 let (ours, theirs) = (pair(&picture, &lit), pair(&reference, &reference_lit));
-                Some(shadows::compare(ours, theirs, self.background.0)?)
+                Some(shadows::compare(ours, theirs, background)?)
             }
             _ => None,
         };

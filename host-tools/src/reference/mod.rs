@@ -201,6 +201,7 @@ fn take(
             height,
             rgb: pixels().map(|p| p.rgb).collect(),
             coverage: Some(pixels().map(|p| p.coverage).collect()),
+            background: None,
         },
         depth: Depth {
             width,
