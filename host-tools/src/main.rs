@@ -6,6 +6,8 @@ use clap::Parser;
 use host_tools::cli::Rho;
 
 fn main() -> ExitCode {
+    // Into a pipe whose reader has seen enough, as of `rho info m.rho | head`, writing just ends.
+    sigpipe::reset();
     match Rho::parse().run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

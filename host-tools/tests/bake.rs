@@ -698,3 +698,25 @@ fn white_forgets_the_colours_of_a_file_and_of_an_object() {
         assert_eq!(materials(true), 1, "{model}");
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_has_seen_enough_is_no_error() {
+    let folder = folder();
+    let at = folder.path();
+    assert!(
+        rho(at, &["bake", "t.obj", "-o", "t.rho", "--rho", "3"])
+            .status
+            .success()
+    );
+    let mut info = std::process::Command::new(env!("CARGO_BIN_EXE_rho"))
+        .current_dir(at)
+        .args(["info", "t.rho"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(info.stdout.take());
+    let ended = info.wait_with_output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&ended.stderr), "");
+}
