@@ -4,14 +4,18 @@ use std::fs;
 
 use host_tools::bake::{BakeOptions, GridChoice, LayoutChoice, Progress, bake};
 use host_tools::blob_file::BlobFile;
+use host_tools::compare::compare;
 use host_tools::device::Run;
-use host_tools::picture::rgb888;
+use host_tools::model::LoadOptions;
+use host_tools::picture::{Picture, rgb888};
+use host_tools::reference::Shot;
+use host_tools::reference::scene::SceneCaster;
 use host_tools::render::{Drawn, render_from};
 use host_tools::scene::Scene as File;
 use host_tools::scene::bake::bake as bake_scene;
 use host_tools::view::{StandardView, View};
 use rho_grid::camera::Camera;
-use rho_grid::mode::{FootprintMode, FrameMode, Mode, Preset, VisibilityMode};
+use rho_grid::mode::{FootprintMode, FrameMode, MapSize, Mode, Preset, ShadowMode, VisibilityMode};
 use rho_tests::firmware::ask;
 use rho_tests::snapshot;
 use rho_viewer::request::{Request, Scene};
@@ -213,5 +217,84 @@ fn a_coloured_model_with_a_colour_a_sample_is_drawn_in_its_colours() {
         let ([r, _, b], [upper_r, _, upper_b]) = (at(230), at(90));
         assert!(r > 100 && b < 60, "{r} {b}");
         assert!(upper_b > 100 && upper_r < 60, "{upper_r} {upper_b}");
+    }
+}
+
+/// Two posts on a floor under three lights, of which the last casts shadows.
+const LIGHTS: &str = r##"
+background = "#101418"
+[camera]
+yaw = 20
+pitch = 28
+distance = 1.5
+[[light]]
+direction = [-1.0, 0.6, 0.5]
+colour = "#3060d0"
+[[light]]
+direction = [0.1, 0.4, 1.0]
+colour = "#602818"
+[[light]]
+direction = [0.8, 0.7, 0.2]
+colour = "#c0b8a8"
+shadows = true
+[[material]]
+name = "floor"
+ambient = "#101010"
+diffuse = "#a0a0a0"
+[[material]]
+name = "post"
+ambient = "#181008"
+diffuse = "#c09048"
+[ground]
+size = 2.4
+material = "floor"
+[[object]]
+source = "shapes"
+material = "post"
+stand = true
+translation = [0.2, 0, -0.2]
+parameters = { parts = [{ shape = { cylinder = { radius = 0.2, height = 1.0, round = 0.05 } } }] }
+[[object]]
+source = "shapes"
+material = "post"
+stand = true
+translation = [-0.5, 0, 0.5]
+scale = 0.5
+parameters = { parts = [{ shape = { sphere = { radius = 0.5 } } }] }
+"##;
+
+/// What the ray-caster shows of [`LIGHTS`], before its background.
+fn truth_of_lights() -> Picture {
+    let scene = File::parse(LIGHTS, "lights.toml", &[]).unwrap();
+    let caster = SceneCaster::new(&scene, &LoadOptions::default()).unwrap();
+    let shot = Shot {
+        samples: 1,
+        ..Shot::standard(scene.camera)
+    };
+    caster.render(&shot, &|| ()).unwrap().picture
+}
+
+#[test]
+fn in_the_shadow_of_one_light_the_others_shine() {
+    let blob = baked(LIGHTS, &standard());
+    let camera = blob.blob().unwrap().camera().unwrap();
+    assert!(blob.blob().unwrap().lights().next().unwrap().casts_shadows);
+    let truth = truth_of_lights();
+    let preset = Preset::Fine.mode(&blob.blob().unwrap(), &camera);
+    for frame in [FrameMode::Tones, FrameMode::Words] {
+        let decibels = [ShadowMode::TwoPass, ShadowMode::None].map(|shadows| {
+            let mode = Mode {
+                frame,
+                shadows,
+                shadow_map: MapSize::of(256).unwrap(),
+                ..preset
+            };
+            let drawn = drawn(&blob, &camera, mode);
+            let behind = rgb888(drawn.background);
+            let compared = compare(&drawn.picture(), &truth, behind, None).unwrap();
+            compared.psnr_inside.unwrap()
+        });
+        println!("{frame:?}: with shadows and without {decibels:.2?} dB");
+        assert!(decibels[0] > 27.0 && decibels[1] < 22.0, "{decibels:?}");
     }
 }

@@ -76,7 +76,8 @@ impl Shot {
 /// What the rays saw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
-    /// The mean colour of each pixel, the background black, and its coverage.
+    /// The mean colour of each pixel, before a model's black or the scene's background, and its
+    /// coverage.
     pub picture: Picture,
     /// At the centre of each pixel.
     pub depth: Depth,
@@ -201,7 +202,8 @@ fn take(
             height,
             rgb: pixels().map(|p| p.rgb).collect(),
             coverage: Some(pixels().map(|p| p.coverage).collect()),
-            background: None,
+            background: Some(background.round().to_array().map(|c| c as u8))
+                .filter(|c| *c != [0; 3]),
         },
         depth: Depth {
             width,
