@@ -709,11 +709,11 @@ fn a_reader_that_has_seen_enough_is_no_error() {
             .status
             .success()
     );
-    let mut info = std::process::Command::new(env!("CARGO_BIN_EXE_rho"))
+    let mut info = Command::new(env!("CARGO_BIN_EXE_rho"))
         .current_dir(at)
         .args(["info", "t.rho"])
-        .stdout(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     drop(info.stdout.take());

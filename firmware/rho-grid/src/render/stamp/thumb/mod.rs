@@ -131,8 +131,11 @@ struct Block {
     nearer: i32,
     /// 308: how far from its parent's place a sample's may be.
     around: u32,
-    /// 312: tones where the first of several lights does not reach, eight of each normal.
+    /// 312, 316: tones where the first light does not reach, eight of each normal, and the bits of a normal.
     unlit: *const u8,
+    rows_of_unlit: u32,
+    /// 320, 324: from a place in the light to its u among texels: shift and mask; 328, 332: to v.
+    texel: [u32; 4],
 }
 
 /// What looking up a sample's shadow needs.
@@ -204,6 +207,27 @@ unsafe extern "C" {
     fn rho_grid_stamp_four_64_dim(block: *mut Block);
     fn rho_grid_stamp_four_128_dim(block: *mut Block);
     fn rho_grid_stamp_four_256_dim(block: *mut Block);
+    fn rho_grid_stamp_shaded_two_cut(block: *mut Block);
+    fn rho_grid_stamp_shaded_three_cut(block: *mut Block);
+    fn rho_grid_stamp_shaded_four_cut(block: *mut Block);
+    fn rho_grid_stamp_shaded_both_two(block: *mut Block);
+    fn rho_grid_stamp_shaded_both_three(block: *mut Block);
+    fn rho_grid_stamp_shaded_both_four(block: *mut Block);
+    fn rho_grid_stamp_shaded_both_two_cut(block: *mut Block);
+    fn rho_grid_stamp_shaded_both_three_cut(block: *mut Block);
+    fn rho_grid_stamp_shaded_both_four_cut(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_two(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_three(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_four(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_two_cut(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_three_cut(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_four_cut(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_both_two(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_both_three(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_both_four(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_both_two_cut(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_both_three_cut(block: *mut Block);
+    fn rho_grid_stamp_shaded_deep_both_four_cut(block: *mut Block);
     fn rho_grid_stamp_deep_two(block: *mut Block);
     fn rho_grid_stamp_deep_three(block: *mut Block);
     fn rho_grid_stamp_deep_four(block: *mut Block);
@@ -243,28 +267,27 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         return false;
     }
     let shadows = shading.look_up();
-    // Of bands, edges and depths, only what is drawn most.
+    // Of bands, only what is drawn most.
     let mut edges = stamps.edges;
     let is_deep = depths.is_some();
-    if shadows.is_some() && (band.is_some() || edges.is_some() || is_deep) || band.is_some() && BOTH
-    {
+    if band.is_some() && (BOTH || shadows.is_some()) {
         return false;
     }
-    let bits = shadows.map_or(0, |shadows| shadows.bits);
-    let (unlit, unlit_of_all, is_dim) = match shadows {
-        None => (core::ptr::null(), 0, false),
+    let bits = shadows.map_or(0, |shadows| shadows.bits.min(8));
+    let side = 1u32 << bits;
+    let (unlit, unlit_of_all, rows_of_unlit) = match shadows {
+        None => (core::ptr::null(), 0, 0),
         Some(shadows) => {
             let (table, rows) = shadows.unlit;
             let [[first, ..], ..] = table;
-            (table.as_ptr().cast(), u32::from(*first), rows > 0)
+            (table.as_ptr().cast(), u32::from(*first), rows)
         }
     };
     let light = match (shadows, &parents.light) {
         (None, None) => InLight::NONE,
-        // Of one material, and maps of the three sizes.
+        // Maps of the three sizes.
         (Some(shadows), Some(light))
-            if !BOTH
-                && (6..=8).contains(&bits)
+            if (6..=8).contains(&shadows.bits)
                 && light.parents.len() >= parents.subcells
                 && shadows.map.len() >> bits >> bits > 0 =>
         {
@@ -395,7 +418,10 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         nearer: stamps.depths.iter().map(|step| step.abs()).sum(),
         around: stamps.around(),
         unlit,
+        rows_of_unlit,
+        texel: [11 - bits, side - 1, 22 - 2 * bits, (side - 1) << bits],
     };
+    let is_shaded = shadows.is_some();
     let loops: Loops = match (BOTH, edges.is_some()) {
         (_, true) if band.is_some() => [
             rho_grid_stamp_band_two_cut,
@@ -406,6 +432,41 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
             rho_grid_stamp_band_two,
             rho_grid_stamp_band_three,
             rho_grid_stamp_band_four,
+        ],
+        (true, true) if is_shaded && is_deep => [
+            rho_grid_stamp_shaded_deep_both_two_cut,
+            rho_grid_stamp_shaded_deep_both_three_cut,
+            rho_grid_stamp_shaded_deep_both_four_cut,
+        ],
+        (true, false) if is_shaded && is_deep => [
+            rho_grid_stamp_shaded_deep_both_two,
+            rho_grid_stamp_shaded_deep_both_three,
+            rho_grid_stamp_shaded_deep_both_four,
+        ],
+        (false, true) if is_shaded && is_deep => [
+            rho_grid_stamp_shaded_deep_two_cut,
+            rho_grid_stamp_shaded_deep_three_cut,
+            rho_grid_stamp_shaded_deep_four_cut,
+        ],
+        (false, false) if is_shaded && is_deep => [
+            rho_grid_stamp_shaded_deep_two,
+            rho_grid_stamp_shaded_deep_three,
+            rho_grid_stamp_shaded_deep_four,
+        ],
+        (true, true) if is_shaded => [
+            rho_grid_stamp_shaded_both_two_cut,
+            rho_grid_stamp_shaded_both_three_cut,
+            rho_grid_stamp_shaded_both_four_cut,
+        ],
+        (true, false) if is_shaded => [
+            rho_grid_stamp_shaded_both_two,
+            rho_grid_stamp_shaded_both_three,
+            rho_grid_stamp_shaded_both_four,
+        ],
+        (false, true) if is_shaded => [
+            rho_grid_stamp_shaded_two_cut,
+            rho_grid_stamp_shaded_three_cut,
+            rho_grid_stamp_shaded_four_cut,
         ],
         (true, true) if is_deep => [
             rho_grid_stamp_deep_both_two_cut,
@@ -442,7 +503,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
             rho_grid_stamp_three_cut,
             rho_grid_stamp_four_cut,
         ],
-        (false, false) => match (bits, is_dim) {
+        (false, false) => match (bits, rows_of_unlit > 0) {
             (0, _) => [
                 rho_grid_stamp_two,
                 rho_grid_stamp_three,
@@ -504,6 +565,7 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, here) == 300);
     assert!(core::mem::offset_of!(Block, around) == 308);
     assert!(core::mem::offset_of!(Block, unlit) == 312);
+    assert!(core::mem::offset_of!(Block, texel) == 320);
     assert!(NORMALS == 256 && MAX_MATERIALS == 8);
     assert!(FIRST == 2);
     assert!(size_of::<Within>() == 4);
@@ -550,6 +612,52 @@ global_asm!(
     "ubfx r8, r9, #(11 - \\bits), #\\bits",  // u
     "ubfx r11, r9, #(22 - \\bits), #\\bits", // v
     "add r8, r8, r11, lsl #\\bits",
+    "ldrh r8, [r12, r8, lsl #1]",
+    "cmp r8, r9, lsr #22",
+    "it lo",
+    "ldrlo r7, [r0, #180]",
+    "6:",
+    "ldr r12, [r0, #64]",
+    ".endm",
+    // The same for maps of any size, under any lights, of words with or without materials.
+    ".macro RHO_SHADED_ANY backwards, under",
+    "ldr r12, [r0, #60]",
+    "lsr r9, r8, #\\under",
+    "ldrb r7, [r12, r9]", // the tone in the light
+    "ldrd r11, r12, [r0, #312]",
+    "and r12, r12, r8, lsr #8",
+    "add r11, r11, r12, lsl #3",
+    ".if \\under == 2",
+    "ubfx r12, r8, #2, #3",
+    "ldrb r12, [r11, r12]",
+    ".else",
+    "ldrb r12, [r11]",
+    ".endif",
+    "str r12, [r0, #180]",
+    "cmp r7, r12",
+    "beq 6f", // it faces away
+    "ldr r12, [r0, #184]",
+    "lsr r9, r8, #6",
+    "bfi r9, r8, #0, #3",
+    "ldr r9, [r12, r9, lsl #2]", // what its normal and offset move it by
+    ".if \\backwards",
+    "ldrb r8, [r1]",
+    ".else",
+    "ldrb r8, [r1, #-1]",
+    ".endif",
+    "ldrd r11, r12, [r0, #188]",
+    "and r8, r8, #15",
+    "add r9, r9, r11",
+    "ldr r8, [r12, r8, lsl #2]", // from its parent
+    "ldr r12, [r0, #196]",
+    "add r9, r9, r8", // its place in the light
+    "ldrd r8, r11, [r0, #320]",
+    "lsr r8, r9, r8",
+    "and r8, r8, r11",
+    "add r12, r12, r8, lsl #1", // u
+    "ldrd r8, r11, [r0, #328]",
+    "lsr r8, r9, r8",
+    "and r8, r8, r11", // v
     "ldrh r8, [r12, r8, lsl #1]",
     "cmp r8, r9, lsr #22",
     "it lo",
@@ -747,8 +855,17 @@ global_asm!(
     "ands lr, lr, r12", // the mask
     "beq 4f",
     ".if \\shaded",
+    ".if \\shaded == 32",
+    "RHO_SHADED_ANY \\backwards, \\under",
+    ".else",
     "RHO_SHADED \\backwards, (\\shaded & 15), (\\shaded >> 4)",
+    ".endif",
+    ".if \\deep",
+    "mov r8, r7",
+    "RHO_DEEP_ROWS \\rows",
+    ".else",
     "RHO_ROWS \\rows, r7, \\band",
+    ".endif",
     "ldr r7, [r0, #76]",
     ".else",
     "ldrd r11, r12, [r0, #60]",
@@ -889,7 +1006,7 @@ global_asm!(
     ".endif",
     ".endm",
     // All parents; shadows are looked up in a map of 2^shaded texels a side, if that is not 0, and with 16
-    // more under several lights.
+    // more under several lights; of 32, in whatever map there is.
     // Registers are saved for the caller, as its convention wants.
     ".macro RHO_BLOCK name, rows, under, shaded, band=0, cut=0, deep=0",
     ".section .text.\\name,\"ax\",%progbits",
@@ -1102,6 +1219,27 @@ global_asm!(
     "RHO_BLOCK rho_grid_stamp_four_64_dim, 4, 3, 22",
     "RHO_BLOCK rho_grid_stamp_four_128_dim, 4, 3, 23",
     "RHO_BLOCK rho_grid_stamp_four_256_dim, 4, 3, 24",
+    "RHO_BLOCK rho_grid_stamp_shaded_two_cut, 2, 3, 32, 0, 1, 0",
+    "RHO_BLOCK rho_grid_stamp_shaded_three_cut, 3, 3, 32, 0, 1, 0",
+    "RHO_BLOCK rho_grid_stamp_shaded_four_cut, 4, 3, 32, 0, 1, 0",
+    "RHO_BLOCK rho_grid_stamp_shaded_both_two, 2, 2, 32, 0, 0, 0",
+    "RHO_BLOCK rho_grid_stamp_shaded_both_three, 3, 2, 32, 0, 0, 0",
+    "RHO_BLOCK rho_grid_stamp_shaded_both_four, 4, 2, 32, 0, 0, 0",
+    "RHO_BLOCK rho_grid_stamp_shaded_both_two_cut, 2, 2, 32, 0, 1, 0",
+    "RHO_BLOCK rho_grid_stamp_shaded_both_three_cut, 3, 2, 32, 0, 1, 0",
+    "RHO_BLOCK rho_grid_stamp_shaded_both_four_cut, 4, 2, 32, 0, 1, 0",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_two, 2, 3, 32, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_three, 3, 3, 32, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_four, 4, 3, 32, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_two_cut, 2, 3, 32, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_three_cut, 3, 3, 32, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_four_cut, 4, 3, 32, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_both_two, 2, 2, 32, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_both_three, 3, 2, 32, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_both_four, 4, 2, 32, 0, 0, 1",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_both_two_cut, 2, 2, 32, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_both_three_cut, 3, 2, 32, 0, 1, 1",
+    "RHO_BLOCK rho_grid_stamp_shaded_deep_both_four_cut, 4, 2, 32, 0, 1, 1",
     "RHO_BLOCK rho_grid_stamp_two_64, 2, 3, 6",
     "RHO_BLOCK rho_grid_stamp_three_64, 3, 3, 6",
     "RHO_BLOCK rho_grid_stamp_four_64, 4, 3, 6",
