@@ -8,7 +8,8 @@ use host_tools::picture::rgb888;
 use host_tools::render;
 use host_tools::sampling::{Separation, Tree};
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
-use rho_grid::blob::Layout;
+use rho_grid::blob::{Grid, Layout};
+use rho_grid::camera::Camera;
 use rho_grid::frame::Frame;
 use rho_grid::lighting::Lighting;
 use rho_grid::mode::{FootprintMode, Mode, ReciprocalMode, VisibilityMode};
@@ -252,5 +253,90 @@ fn at_cell_size_0_only_leaves_are_drawn_and_each_once() {
             ..Mode::default()
         };
         assert_eq!(patiently(&blob, &view, point).1, tree.leaves());
+    }
+}
+
+/// The places of a grid's leaves, in cells of the leaves' level.
+fn leaves(grid: &Grid<'_>) -> Vec<[i32; 3]> {
+    let mut places = vec![[0; 3]];
+    for level in grid.levels() {
+        let rho = i32::from(level.rho);
+        let subcells = |node: usize, [x, y, z]: [i32; 3]| {
+            let mask = level.mask_any(node as u32);
+            (0..rho.pow(3))
+                .filter(move |bit| mask[*bit as usize / 32] >> (bit % 32) & 1 == 1)
+                .map(move |bit| {
+                    let [i, j, k] = [bit % rho, bit / rho % rho, bit / (rho * rho)];
+                    [x * rho + i, y * rho + j, z * rho + k]
+                })
+        };
+        let below = places.iter().enumerate();
+        places = below.flat_map(|(node, at)| subcells(node, *at)).collect();
+    }
+    places
+}
+
+/// Of a grid's leaves, those whose centres are in front of the eye and a quarter of a cell within the
+/// frame, and those that are within so many cells of it.
+fn in_view(grid: &Grid<'_>, camera: &Camera, cells_around: f64) -> [usize; 2] {
+    let cells = f64::from(grid.cells(grid.subdivisions()));
+    let rotation = camera.rotation.map(|row| row.map(|v| v.to_num::<f64>()));
+    let translation = camera.translation.map(|v| v.to_num::<f64>());
+    let focal = camera.focal.to_num::<f64>();
+    let half = [camera.width, camera.height].map(|side| f64::from(side) / 2.0);
+    let counts = |margin: f64| {
+        let is_seen = |place: &[i32; 3]| {
+            let p = place.map(|c| (f64::from(c) + 0.5) / cells - 0.5);
+            let eye: [f64; 3] = std::array::from_fn(|i| {
+                translation[i] + (0..3).map(|k| rotation[i][k] * p[k]).sum::<f64>()
+            });
+            let depth = -eye[2] + margin;
+            // How far outside the planes through the frame's edges.
+            let beyond =
+                |along: f64, half: f64| (along.abs() * focal - half * depth) / focal.hypot(half);
+            depth > 0.0 && beyond(eye[0], half[0]) <= margin && beyond(eye[1], half[1]) <= margin
+        };
+        leaves(grid).iter().filter(|place| is_seen(place)).count()
+    };
+    // Where they are on the screen is rounded.
+    [counts(-0.25 / cells), counts(cells_around / cells)]
+}
+
+/// From inside, and enlarged, what is visited is what is in view: all of that, and little more.
+#[test]
+fn only_what_is_in_view_is_refined() {
+    let blob = &blobs()[0];
+    let grid = blob.blob().unwrap().grid(0).unwrap();
+    let all = grid.leaf_samples() as usize;
+    let mode = Mode {
+        footprint: FootprintMode::Point,
+        cell_size: PixelSize::ZERO,
+        ..Mode::default()
+    };
+    let near = View::from(StandardView::Near);
+    let (_, whole) = patiently(blob, &near, mode);
+    assert_eq!(whole, all, "nothing is left out of what is all in view");
+    for (distance, zoom) in [
+        (2.2883, 6.0),
+        (2.2883, 24.0),
+        (0.3, 1.0),
+        (0.1, 1.0),
+        (0.02, 4.0),
+    ] {
+        for yaw in [0.0, 70.0, 200.0] {
+            let view = View {
+                distance,
+                zoom,
+                yaw,
+                pitch: 15.0,
+                ..near
+            };
+            let (_, drawn) = patiently(blob, &view, mode);
+            let [least, most] = in_view(&grid, &view.camera().unwrap(), 4.0);
+            println!(
+                "distance {distance}, zoom {zoom}, yaw {yaw}: {drawn} drawn, {least} to {most} of {all} in view"
+            );
+            assert!((least..=most).contains(&drawn), "{view:?}");
+        }
     }
 }
