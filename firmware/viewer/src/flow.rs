@@ -192,6 +192,7 @@ mod tests {
     use super::*;
     use crate::count::{PROBES, Probe};
     use crate::picture::{Frames, Memory};
+    use crate::shadow::NoShadows;
     use crate::size::PIXELS;
     use crate::strips::Strips;
     use rho_grid::frame::Frame;
@@ -251,7 +252,7 @@ mod tests {
             screen: Shown(Vec::new(), broken),
             counter: Still,
             flash: &[0; 64],
-            painter: &mut Strips::new(),
+            painter: &mut Strips::<NoShadows>::new(),
         };
         let by_strips = run(&mut strips, line);
         assert!(whole == strips.screen.0, "in strips it is the same");

@@ -21,6 +21,8 @@ use crate::shadow::Seen;
 pub(crate) trait Modes {
     /// Whether there is room for depths, which what is tangled takes.
     const DEPTHS: bool;
+    /// Whether shadows may be asked for.
+    const SHADOWS: bool;
 
     /// Draws an instance.
     fn draw<V: Visibility>(
@@ -36,6 +38,7 @@ pub(crate) struct Every;
 
 impl Modes for Every {
     const DEPTHS: bool = true;
+    const SHADOWS: bool = true;
 
     fn draw<V: Visibility>(
         placed: &Placed<'_>,
@@ -52,6 +55,7 @@ pub(crate) struct Divided;
 
 impl Modes for Divided {
     const DEPTHS: bool = true;
+    const SHADOWS: bool = true;
 
     fn draw<V: Visibility>(
         placed: &Placed<'_>,
@@ -65,10 +69,11 @@ impl Modes for Divided {
 }
 
 /// Those that a preset chooses: discs, or boxes where samples have no offsets.
-pub(crate) struct Preset<const DEPTHS: bool>;
+pub(crate) struct Preset<const DEPTHS: bool, const SHADOWS: bool>;
 
-impl<const DEPTHS: bool> Modes for Preset<DEPTHS> {
+impl<const DEPTHS: bool, const SHADOWS: bool> Modes for Preset<DEPTHS, SHADOWS> {
     const DEPTHS: bool = DEPTHS;
+    const SHADOWS: bool = SHADOWS;
 
     fn draw<V: Visibility>(
         placed: &Placed<'_>,
@@ -155,12 +160,13 @@ impl<'g> Instances<'_, 'g> {
                 self.view.see_rows(rows.clone());
             }
             let unit = self.arrangement.unit();
-            if let Some(shadows) = &mut self.shadows {
+            let mut shadows = self.shadows.as_mut().filter(|_| M::SHADOWS);
+            if let Some(shadows) = &mut shadows {
                 shadows.see(&placed, watch);
             }
             let drawn = watch.time(Phase::Draw, || {
                 let (view, shading) = (&*self.view, &*self.scene_tones);
-                match &self.shadows {
+                match shadows {
                     None => {
                         draw_turn::<M, _>(*turn, &placed, view, shading, unit, frame, self.depth)
                     }

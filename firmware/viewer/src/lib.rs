@@ -29,7 +29,7 @@ pub mod panel;
 pub mod picture;
 pub mod report;
 pub mod request;
-mod shadow;
+pub mod shadow;
 pub mod size;
 pub mod strips;
 pub mod test_card;

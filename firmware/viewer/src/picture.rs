@@ -5,7 +5,7 @@ use core::fmt;
 use rho_grid::blob::format::MAX_MATERIALS;
 use rho_grid::blob::{Blob, BlobError};
 use rho_grid::frame::Frame;
-use rho_grid::mode::{FrameMode, ShadowMode, VisibilityMode};
+use rho_grid::mode::{FrameMode, MapSize, ShadowMode, VisibilityMode};
 use rho_grid::render::{
     Blend, Buffers, EyeOrder, Rect, Tones, View, ViewError, ZBuffer, bands, quarter_words,
     tone_words,
@@ -18,7 +18,7 @@ use crate::instances::{Divided, Every, Instances, Modes, Preset, draw_turn, plac
 use crate::painter::{Give, PaintError, Painter, Shapes, draw_part};
 use crate::panel::ScreenError;
 use crate::request::Scene;
-use crate::shadow::{Seen, Shadow};
+use crate::shadow::{Maps, Seen, Shadow};
 use crate::size::{HEIGHT, PIXELS, WIDTH, Words};
 
 /// What drawing needs beside the frame, for every mode and up to eight materials.
@@ -32,7 +32,7 @@ pub struct Memory {
     scene_tones: SceneTones,
     /// Of a whole frame, or of a band of quarters.
     tones: [u32; TONE_WORDS],
-    shadow: Shadow,
+    shadow: Shadow<{ MapSize::LARGEST.words() }>,
 }
 
 /// Quarters a row, and from the first of a window of four rows to beyond its last.
@@ -96,7 +96,7 @@ impl Memory {
             depth: [0; PIXELS],
             scene_tones: SceneTones::empty(),
             tones: [0; TONE_WORDS],
-            shadow: Shadow::new(),
+            shadow: Shadow::EMPTY,
         }
     }
 }
@@ -108,7 +108,7 @@ impl Memory {
         blob: &'a Blob<'g>,
         scene: &'a Scene,
         watch: &mut Stopwatch<'_, C>,
-    ) -> (Instances<'a, 'g>, &'a mut [u32]) {
+    ) -> Result<(Instances<'a, 'g>, &'a mut [u32]), ModelError> {
         let instances = Instances {
             blob,
             scene,
@@ -117,9 +117,9 @@ impl Memory {
             scene_tones: &mut self.scene_tones,
             depth: &mut self.depth,
             prepared: None,
-            shadows: self.shadow.for_scene(blob, scene, watch),
+            shadows: self.shadow.for_scene(blob, scene, watch)?,
         };
-        (instances, &mut self.tones)
+        Ok((instances, &mut self.tones))
     }
 }
 
@@ -142,7 +142,7 @@ pub enum ModelError {
     Mode,
     /// Objects reach into each other, and the program has no depths.
     Tangled,
-    /// The frame is larger than the board's memory for it.
+    /// The frame or the shadow map is larger than the board's memory for it.
     TooLarge,
 }
 
@@ -158,7 +158,9 @@ impl fmt::Display for ModelError {
             Self::Tangled => {
                 f.write_str("objects reach into each other, and there is no memory for depths")
             }
-            Self::TooLarge => f.write_str("the frame is larger than the memory for it"),
+            Self::TooLarge => {
+                f.write_str("the frame or the shadow map is larger than the memory for it")
+            }
         }
     }
 }
@@ -240,14 +242,14 @@ impl<'a> Model<'a> {
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<(), ModelError> {
         let camera = &scene.camera;
-        let (mut instances, tones) = memory.instances(&self.blob, scene, watch);
+        let (mut instances, tones) = memory.instances(&self.blob, scene, watch)?;
         instances.prepare(watch);
         let mut frame = watch
             .time(Phase::Clear, || {
                 PanelTones::cleared(tones, camera.width, camera.height)
             })
             .ok_or(ModelError::TooLarge)?;
-        instances.draw::<Preset<true>, _, _, _>(&mut frame, None, watch)?;
+        instances.draw::<Preset<true, true>, _, _, _>(&mut frame, None, watch)?;
         watch.time(Phase::Send, || {
             let palette = instances.scene_tones.palette(&self.blob);
             for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
@@ -266,7 +268,7 @@ impl<'a> Model<'a> {
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<(), ModelError> {
         let camera = &scene.camera;
-        let (mut instances, tones) = memory.instances(&self.blob, scene, watch);
+        let (mut instances, tones) = memory.instances(&self.blob, scene, watch)?;
         instances.prepare(watch);
         let blend = watch.time(Phase::ShadingTables, || {
             Blend::new(&instances.scene_tones.palette(&self.blob))
@@ -279,7 +281,8 @@ impl<'a> Model<'a> {
                     PanelQuarters::band(tones, 2 * camera.width, rows.clone())
                 })
                 .ok_or(ModelError::TooLarge)?;
-            let reach = instances.draw::<Preset<true>, _, _, _>(&mut band, Some(&rows), watch)?;
+            let reach =
+                instances.draw::<Preset<true, true>, _, _, _>(&mut band, Some(&rows), watch)?;
             watch.time(Phase::Fill, || {
                 blend.rows(&band, words, camera.width, reach);
             });
@@ -305,7 +308,7 @@ impl<'a> Model<'a> {
             ..
         } = memory;
         let (blob, camera, mode) = (&self.blob, &scene.camera, scene.mode);
-        let mut shadows = shadow.for_scene(blob, scene, watch);
+        let mut shadows = shadow.for_scene(blob, scene, watch)?;
         let mut frame =
             Frame::new(words, camera.width, camera.height).ok_or(ModelError::TooLarge)?;
         watch.time(Phase::Clear, || {

@@ -7,13 +7,56 @@ use rho_grid::render::shadow::{ShadowMap, Shadows};
 use rho_grid::scene::Placed;
 
 use crate::count::{Counter, Phase, Stopwatch};
+use crate::picture::ModelError;
 use crate::request::Scene;
 
-/// A shadow map, its tables, and what they were made for.
+/// What a painter keeps for shadows.
+pub trait Maps {
+    /// Whether it keeps anything.
+    const SHADOWS: bool;
+
+    /// All zeros, so that a board's static costs no flash.
+    const EMPTY: Self;
+
+    /// The map for a scene: made, or as it is when it is to be kept and can be; `None` when there are
+    /// to be no shadows.
+    ///
+    /// # Errors
+    /// When the scene asks for shadows and there are none, or for a larger map.
+    fn for_scene<C: Counter>(
+        &mut self,
+        blob: &Blob<'_>,
+        scene: &Scene,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<Option<Seen<'_>>, ModelError>;
+}
+
+/// Nothing.
 #[derive(Debug)]
-pub(crate) struct Shadow {
+pub struct NoShadows;
+
+impl Maps for NoShadows {
+    const SHADOWS: bool = false;
+    const EMPTY: Self = Self;
+
+    fn for_scene<C: Counter>(
+        &mut self,
+        _: &Blob<'_>,
+        scene: &Scene,
+        _: &mut Stopwatch<'_, C>,
+    ) -> Result<Option<Seen<'_>>, ModelError> {
+        match scene.mode.shadows {
+            ShadowMode::None => Ok(None),
+            _ => Err(ModelError::Mode),
+        }
+    }
+}
+
+/// A shadow map of at most so many texels, its tables, and what they were made for.
+#[derive(Debug)]
+pub struct Shadow<const TEXELS: usize> {
     tables: Shadows,
-    map: [u16; MapSize::LARGEST.words()],
+    map: [u16; TEXELS],
     made_for: Option<MadeFor>,
     /// Number and grid of the instance that is looked up.
     seen: Option<(u16, u16)>,
@@ -27,29 +70,26 @@ struct MadeFor {
     splat: LightSplat,
 }
 
-impl Shadow {
-    pub(crate) const fn new() -> Self {
-        Self {
-            tables: Shadows::empty(),
-            map: [0; MapSize::LARGEST.words()],
-            made_for: None,
-            seen: None,
-        }
-    }
+impl<const TEXELS: usize> Maps for Shadow<TEXELS> {
+    const SHADOWS: bool = true;
+    const EMPTY: Self = Self {
+        tables: Shadows::empty(),
+        map: [0; TEXELS],
+        made_for: None,
+        seen: None,
+    };
 
-    /// The map for a scene: made, or as it is when it is to be kept and can be; `None` when there are
-    /// to be no shadows.
-    pub(crate) fn for_scene<C: Counter>(
+    fn for_scene<C: Counter>(
         &mut self,
         blob: &Blob<'_>,
         scene: &Scene,
         watch: &mut Stopwatch<'_, C>,
-    ) -> Option<Seen<'_>> {
+    ) -> Result<Option<Seen<'_>>, ModelError> {
         let Scene { light, mode, .. } = scene;
         if mode.shadows == ShadowMode::None {
-            return None;
+            return Ok(None);
         }
-        watch.time(Phase::ShadowMap, || {
+        let made = watch.time(Phase::ShadowMap, || {
             let wanted = MadeFor {
                 light: *light,
                 size: mode.shadow_map,
@@ -81,12 +121,13 @@ impl Shadow {
                 one_pass,
                 seen,
             })
-        })
+        });
+        made.map(Some).ok_or(ModelError::TooLarge)
     }
 }
 
 /// The map of a frame, and the tables of the instance that is drawn.
-pub(crate) struct Seen<'a> {
+pub struct Seen<'a> {
     pub(crate) tables: &'a mut Shadows,
     pub(crate) map: ShadowMap<'a>,
     /// The size of splats, if the map is filled while drawing.

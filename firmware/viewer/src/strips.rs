@@ -4,8 +4,10 @@
 //! colours are looked up as they are sent, a strip of rows at a time, so that no frame of colours is
 //! ever whole. Objects that reach into each other need depths, for which it has no room. What it draws is what [`Frames`](crate::picture::Frames) draws by the same presets.
 
-use rho_grid::mode::{FrameMode, Mode, ShadowMode};
-use rho_grid::render::{Blend, View, bands};
+use core::ops::Range;
+
+use rho_grid::mode::{FrameMode, Mode};
+use rho_grid::render::{Blend, Rect, Tones, View, bands};
 use rho_grid::scene::{Arrangement, SceneTones};
 
 use crate::count::{Counter, Phase, Stopwatch};
@@ -14,22 +16,24 @@ use crate::painter::{Give, PaintError, Painter, Shapes, draw_part};
 use crate::panel::ScreenError;
 use crate::picture::{Model, ModelError, PanelQuarters, PanelTones, TONE_WORDS};
 use crate::request::Scene;
+use crate::shadow::Maps;
 use crate::size::{HEIGHT, WIDTH};
 
 /// Rows of a strip: half of those of a band of quarters.
 const STRIP: u16 = 40;
 
-/// The memory of a painter in strips.
+/// The memory of a painter in strips, and for shadows.
 #[derive(Debug)]
-pub struct Strips {
+pub struct Strips<M> {
     arrangement: Arrangement,
     view: View,
     scene_tones: SceneTones,
     tones: [u32; TONE_WORDS],
     strip: [u16; STRIP as usize * WIDTH as usize],
+    maps: M,
 }
 
-impl Strips {
+impl<M: Maps> Strips<M> {
     /// All zeros, so that a board's static costs no flash.
     #[must_use]
     pub const fn new() -> Self {
@@ -39,11 +43,27 @@ impl Strips {
             scene_tones: SceneTones::empty(),
             tones: [0; TONE_WORDS],
             strip: [0; STRIP as usize * WIDTH as usize],
+            maps: M::EMPTY,
         }
     }
 }
 
-impl Default for Strips {
+impl<M: Maps> Strips<M> {
+    fn draw<C: Counter, const STRIDE: usize, const SPAN: usize>(
+        instances: &mut Instances<'_, '_>,
+        frame: &mut Tones<'_, STRIDE, SPAN>,
+        rows: Option<&Range<u16>>,
+        watch: &mut Stopwatch<'_, C>,
+    ) -> Result<Option<Rect>, ModelError> {
+        if M::SHADOWS {
+            instances.draw::<Preset<false, true>, _, _, _>(frame, rows, watch)
+        } else {
+            instances.draw::<Preset<false, false>, _, _, _>(frame, rows, watch)
+        }
+    }
+}
+
+impl<M: Maps> Default for Strips<M> {
     fn default() -> Self {
         Self::new()
     }
@@ -51,11 +71,10 @@ impl Default for Strips {
 
 /// Whether a mode is among those that a preset may be.
 fn is_known(mode: Mode) -> bool {
-    let lit = mode.shadows == ShadowMode::None;
-    mode.contradiction().is_none() && mode.frame != FrameMode::Words && lit
+    mode.contradiction().is_none() && mode.frame != FrameMode::Words
 }
 
-impl Painter for Strips {
+impl<M: Maps> Painter for Strips<M> {
     fn model<C: Counter>(
         &mut self,
         model: &Model<'_>,
@@ -77,7 +96,7 @@ impl Painter for Strips {
             scene_tones: &mut self.scene_tones,
             depth: &mut [],
             prepared: None,
-            shadows: None,
+            shadows: self.maps.for_scene(blob, scene, watch)?,
         };
         instances.prepare(watch);
         let palette = watch.time(Phase::ShadingTables, || instances.scene_tones.palette(blob));
@@ -93,8 +112,7 @@ impl Painter for Strips {
                         PanelQuarters::band(tones, 2 * camera.width, rows.clone())
                     })
                     .ok_or(ModelError::TooLarge)?;
-                let reach =
-                    instances.draw::<Preset<false>, _, _, _>(&mut band, Some(&rows), watch)?;
+                let reach = Self::draw(&mut instances, &mut band, Some(&rows), watch)?;
                 watch.time(Phase::Fill, || {
                     blend.rows(&band, strip, camera.width, reach);
                 });
@@ -107,7 +125,7 @@ impl Painter for Strips {
                 PanelTones::cleared(tones, camera.width, camera.height)
             })
             .ok_or(ModelError::TooLarge)?;
-        instances.draw::<Preset<false>, _, _, _>(&mut frame, None, watch)?;
+        Self::draw(&mut instances, &mut frame, None, watch)?;
         watch.time(Phase::Send, || {
             let mut rows = frame.rows();
             loop {

@@ -54,14 +54,14 @@ pub struct Shadows {
 }
 
 impl Shadows {
-    /// Tables not yet filled.
+    /// Tables not yet filled: all zeros, so that a board's static costs no flash.
     #[must_use]
     pub const fn empty() -> Self {
         Self {
             light: LightSpace::NONE,
             looked_up: ShadowView::empty(),
             cast: ShadowView::empty(),
-            splat: 1,
+            splat: 0,
             higher: [false; 3],
         }
     }

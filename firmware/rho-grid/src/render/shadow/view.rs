@@ -50,7 +50,7 @@ struct LevelView {
 
 impl LevelView {
     const NONE: Self = Self {
-        cells: 1,
+        cells: 0,
         half_edges: [[0; 3]; 3],
         first: 0,
     };
@@ -141,7 +141,10 @@ impl ShadowView {
         let edges = [edge(0), edge(1), edge(2)];
         let mut first = 0;
         let mut rho = 1;
-        let mut above = LevelView::NONE;
+        let mut above = LevelView {
+            cells: 1,
+            ..LevelView::NONE
+        };
         for (level, slot) in self.levels.iter_mut().enumerate() {
             let cells = above.cells * rho;
             let half_edges = edges.map(|e| e.map(|c| (c / i64::from(2 * cells)) as i32));

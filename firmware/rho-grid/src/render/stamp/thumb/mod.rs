@@ -320,7 +320,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
                     .map(i64::abs)
                     .iter()
                     .sum::<i64>();
-            let depth = farthest.unsigned_abs() * u64::from(factor) >> 32;
+            let depth = (farthest.unsigned_abs() * u64::from(factor)) >> 32;
             if depth >= 0xFFFE || words.len() < STRIDE * height as usize {
                 return false;
             }
