@@ -126,7 +126,8 @@ impl SceneTones {
         // As many normals of each of the others as there is room for.
         let ramped = self.ramped.count_ones() as usize;
         let others = (used & !self.ramped).count_ones() as usize;
-        let is_dim = shadows != ShadowMode::None && !one;
+        let has_shadows = shadows != ShadowMode::None;
+        let is_dim = has_shadows && !one;
         let kinds = if is_dim { 2 } else { 1 };
         // As many normals of each of the others as there is room for, beside what is seen.
         let room = (WORDS - (STEPS * ramped).min(WORDS)) / (others * kinds).max(1);
@@ -155,17 +156,18 @@ impl SceneTones {
             }
         }
         // A tone is the mean of what was gathered for it: samples draw it to what is there.
-        for instance in instances.filter(|_| others > 0) {
+        for instance in instances.filter(|_| others > 0 || has_shadows) {
             let lighting = lighting.turned_into(&instance);
             for (m, normal) in seen(blob, &instance) {
-                if self.ramped >> (m & 31) & 1 == 1 {
-                    continue;
-                }
                 let material = blob.material(m).unwrap_or_default();
                 let surface = lighting.on(&material);
-                gather(pack(surface.colour(normal)));
+                if self.ramped >> (m & 31) & 1 == 0 {
+                    gather(pack(surface.colour(normal)));
+                }
                 if is_dim {
                     gather(pack(surface.behind_first(normal)));
+                } else if has_shadows {
+                    gather(pack(surface.unlit()));
                 }
             }
         }

@@ -8,7 +8,8 @@
 //! # Safety
 //!
 //! The assembly reads and writes memory through the pointers of [`Block`] and its own stack, and
-//! nothing else. Each access lies within what the pointer was made from:
+//! nothing else; the parts of [`Block`] that may not be set only in loops for which [`stamp`] sets them. Each
+//! access lies within what the pointer was made from:
 //!
 //! * *order*: `count` entries, at least one, made by [`Parents`].
 //! * *displacements*: an entry's subcell comes from a mask, which names subcells of the block's
@@ -98,8 +99,8 @@ struct Block {
     lists: *const Lists,
     /// 144: bits, place and words of each plane.
     planes: MaybeUninit<[u32; 9]>,
-    /// 180: where shadows are looked up.
-    light: InLight,
+    /// 180: where shadows are looked up; set if there are any.
+    light: MaybeUninit<InLight>,
     /// 212: the first byte of a band, from which `corner` counts there.
     band: *mut u8,
     /// 216: how many windows begin in it.
@@ -110,11 +111,27 @@ struct Block {
     step: i32,
     /// 228: the width of the parent's cone.
     width: u32,
-    /// 232, 236: the frame's edges, or null where no disc reaches them.
+    /// 232: set if stamps may reach beyond the frame's edges.
+    cut: MaybeUninit<Cut>,
+    /// 244: set if there are depths.
+    deep: MaybeUninit<Deep>,
+    /// 312: set if there are shadows.
+    texels: MaybeUninit<Texels>,
+}
+
+/// The frame's edges.
+#[repr(C)]
+struct Cut {
+    /// 232, 236.
     columns: *const Within,
     rows: *const Within,
     /// 240: of a sample's window, what is in the frame.
     within: u32,
+}
+
+/// What comparing with depths needs.
+#[repr(C)]
+struct Deep {
     /// 244: in W, from the middle of a plane to its cells.
     depths: [i32; 9],
     /// 280: in W, from a plane to the next; 284, 288: the W of the parent and of the plane.
@@ -124,13 +141,18 @@ struct Block {
     /// 292: what W is worth in a depth.
     factor: u32,
     /// 296: from here a pixel's depth is as many times two bytes away as its address says.
-    deep: *mut u16,
+    words: *mut u16,
     /// 300: the sample's depth.
     here: u32,
     /// 304: how much nearer than its parent a sample may be, in W.
     nearer: i32,
     /// 308: how far from its parent's place a sample's may be.
     around: u32,
+}
+
+/// How a place in the light is looked up.
+#[repr(C)]
+struct Texels {
     /// 312, 316: tones where the first light does not reach, eight of each normal, and the bits of a normal.
     unlit: *const u8,
     rows_of_unlit: u32,
@@ -154,20 +176,6 @@ struct InLight {
     at: u32,
     parents: *const u32,
     cells: *const u32,
-}
-
-impl InLight {
-    /// None is looked up.
-    const NONE: Self = Self {
-        unlit: 0,
-        moved: core::ptr::null(),
-        parent: 0,
-        plane: core::ptr::null(),
-        map: core::ptr::null(),
-        at: 0,
-        parents: core::ptr::null(),
-        cells: core::ptr::null(),
-    };
 }
 
 unsafe extern "C" {
@@ -275,23 +283,28 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     }
     let bits = shadows.map_or(0, |shadows| shadows.bits.min(8));
     let side = 1u32 << bits;
-    let (unlit, unlit_of_all, rows_of_unlit) = match shadows {
-        None => (core::ptr::null(), 0, 0),
+    let (texels, unlit_of_all, rows_of_unlit) = match shadows {
+        None => (MaybeUninit::uninit(), 0, 0),
         Some(shadows) => {
-            let (table, rows) = shadows.unlit;
+            let (table, rows_of_unlit) = shadows.unlit;
             let [[first, ..], ..] = table;
-            (table.as_ptr().cast(), u32::from(*first), rows)
+            let texels = Texels {
+                unlit: table.as_ptr().cast(),
+                rows_of_unlit,
+                texel: [11 - bits, side - 1, 22 - 2 * bits, (side - 1) << bits],
+            };
+            (MaybeUninit::new(texels), u32::from(*first), rows_of_unlit)
         }
     };
     let light = match (shadows, &parents.light) {
-        (None, None) => InLight::NONE,
+        (None, None) => MaybeUninit::uninit(),
         // Maps of the three sizes.
         (Some(shadows), Some(light))
             if (6..=8).contains(&shadows.bits)
                 && light.parents.len() >= parents.subcells
                 && shadows.map.len() >> bits >> bits > 0 =>
         {
-            InLight {
+            MaybeUninit::new(InLight {
                 unlit: unlit_of_all,
                 moved: shadows.moved.as_ptr().cast(),
                 parent: 0,
@@ -300,7 +313,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
                 at: light.at,
                 parents: light.parents.as_ptr(),
                 cells: light.cells.as_ptr().wrapping_sub(FIRST as usize),
-            }
+            })
         }
         _ => return false,
     };
@@ -309,8 +322,8 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     let corner = margin(stride) as i32 + (y - band.unwrap_or(0)) * stride as i32 + x;
     // 63 pixels on, and the window's three.
     let last = corner + 66 * (STRIDE as i32 + 1);
-    let (deep, factor) = match depths {
-        None => (core::ptr::null_mut(), 0),
+    let deep = match depths {
+        None => MaybeUninit::uninit(),
         Some(Depths { words, factor }) => {
             let (width, height) = stamps.size;
             let farthest = i64::from(parents.centre.w)
@@ -332,10 +345,17 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
                 }
             }
             let first = pixels.as_ptr().addr().wrapping_add(margin(STRIDE));
-            (
-                words.as_mut_ptr().wrapping_byte_sub(first.wrapping_mul(2)),
+            MaybeUninit::new(Deep {
+                depths: stamps.depths_of_plane(),
+                deep_z: stamps.depths[2],
+                parent_w: 0,
+                plane_w: 0,
                 factor,
-            )
+                words: words.as_mut_ptr().wrapping_byte_sub(first.wrapping_mul(2)),
+                here: 0,
+                nearer: stamps.depths.iter().map(|step| step.abs()).sum(),
+                around: stamps.around(),
+            })
         }
     };
     // A window is as long as the margin.
@@ -405,21 +425,16 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         },
         step: stamps.sight.step,
         width: TWO_SIDED,
-        columns: edges.map_or(core::ptr::null(), |edges| edges.columns.as_ptr()),
-        rows: edges.map_or(core::ptr::null(), |edges| edges.rows.as_ptr()),
-        within: 0,
-        depths: stamps.depths_of_plane(),
-        deep_z: stamps.depths[2],
-        parent_w: 0,
-        plane_w: 0,
-        factor,
+        cut: match edges {
+            None => MaybeUninit::uninit(),
+            Some(edges) => MaybeUninit::new(Cut {
+                columns: edges.columns.as_ptr(),
+                rows: edges.rows.as_ptr(),
+                within: 0,
+            }),
+        },
         deep,
-        here: 0,
-        nearer: stamps.depths.iter().map(|step| step.abs()).sum(),
-        around: stamps.around(),
-        unlit,
-        rows_of_unlit,
-        texel: [11 - bits, side - 1, 22 - 2 * bits, (side - 1) << bits],
+        texels,
     };
     let is_shaded = shadows.is_some();
     let loops: Loops = match (BOTH, edges.is_some()) {
@@ -560,14 +575,15 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, light) == 180);
     assert!(core::mem::offset_of!(Block, windows) == 216);
     assert!(core::mem::offset_of!(Block, width) == 228);
-    assert!(core::mem::offset_of!(Block, within) == 240);
-    assert!(core::mem::offset_of!(Block, deep_z) == 280);
-    assert!(core::mem::offset_of!(Block, here) == 300);
-    assert!(core::mem::offset_of!(Block, around) == 308);
-    assert!(core::mem::offset_of!(Block, unlit) == 312);
-    assert!(core::mem::offset_of!(Block, texel) == 320);
-    assert!(NORMALS == 256 && MAX_MATERIALS == 8);
+    assert!(core::mem::offset_of!(Block, cut) == 232);
+    assert!(core::mem::offset_of!(Cut, within) == 8);
+    assert!(core::mem::offset_of!(Block, deep) == 244);
+    assert!(core::mem::offset_of!(Deep, deep_z) == 36);
+    assert!(core::mem::offset_of!(Deep, around) == 64);
+    assert!(core::mem::offset_of!(Block, texels) == 312);
+    assert!(core::mem::offset_of!(Texels, texel) == 8);
     assert!(FIRST == 2);
+    assert!(NORMALS == 256 && MAX_MATERIALS == 8);
     assert!(size_of::<Within>() == 4);
     assert!(FAR_AWAY == -0x1000_0000);
     assert!(TWO_SIDED == 127 && WIDTH_BITS == 7);
