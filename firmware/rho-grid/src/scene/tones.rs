@@ -156,14 +156,12 @@ impl SceneTones {
             }
         }
         // A tone is the mean of what was gathered for it: samples draw it to what is there.
-        for instance in instances.filter(|_| others > 0 || has_shadows) {
+        for instance in instances {
             let lighting = lighting.turned_into(&instance);
             for (m, normal) in seen(blob, &instance) {
                 let material = blob.material(m).unwrap_or_default();
                 let surface = lighting.on(&material);
-                if self.ramped >> (m & 31) & 1 == 0 {
-                    gather(pack(surface.colour(normal)));
-                }
+                gather(pack(surface.colour(normal)));
                 if is_dim {
                     gather(pack(surface.behind_first(normal)));
                 } else if has_shadows {
