@@ -36,6 +36,8 @@ use core::panic::PanicInfo;
 
 use defmt_semihosting as _;
 use embedded_hal_bus::spi::ExclusiveDevice;
+use rho_viewer::flow::{self, Device};
+use rho_viewer::painter::Painter;
 use rho_viewer::panel::{Ili9341, ScreenError, Wire};
 use rho_viewer::report::{Exit, Report};
 use rho_viewer::request::MAX_LINE;
@@ -48,6 +50,22 @@ use crate::uart::Uart;
 
 /// The panel on its port.
 pub type Panel = Ili9341<ExclusiveDevice<Pl022, Pin, Delay>, Pin>;
+
+/// The viewer: draws what the host asks for, reports how it went and ends the emulator.
+pub fn view(painter: &mut impl Painter, buffer: &'static mut [MaybeUninit<u8>; MAX_LINE]) -> ! {
+    let line = line(buffer);
+    let screen = match panel() {
+        Ok(screen) => screen,
+        Err(error) => end_without_panel(&error),
+    };
+    let mut device = Device {
+        screen,
+        counter: Clock,
+        flash: model(),
+        painter,
+    };
+    end(flow::run(&mut device, line))
+}
 
 /// What the host asks for. A line that does not come, or is too long, is an empty one.
 pub fn line(buffer: &'static mut [MaybeUninit<u8>; MAX_LINE]) -> &'static str {

@@ -2,7 +2,9 @@
 //!
 //! A frame of tones is half as large as one of colours, and a band of quarters a quarter of that; their
 //! colours are looked up as they are sent, a strip of rows at a time, so that no frame of colours is
-//! ever whole. Objects that reach into each other need depths, for which it has no room. What it draws is what [`Frames`](crate::picture::Frames) draws by the same presets.
+//! ever whole. It keeps a shadow map if its type has one ([`Maps`]). Objects that reach into each other need
+//! depths, for which it has no room. What it draws is what [`Frames`](crate::picture::Frames) draws by the same
+//! presets.
 
 use core::ops::Range;
 
@@ -22,7 +24,7 @@ use crate::size::{HEIGHT, WIDTH};
 /// Rows of a strip: half of those of a band of quarters.
 const STRIP: u16 = 40;
 
-/// The memory of a painter in strips, and for shadows.
+/// The memory of a painter in strips, and what it keeps for shadows.
 #[derive(Debug)]
 pub struct Strips<M> {
     arrangement: Arrangement,
@@ -46,9 +48,8 @@ impl<M: Maps> Strips<M> {
             maps: M::EMPTY,
         }
     }
-}
 
-impl<M: Maps> Strips<M> {
+    /// Draws all instances: of the two ways, the one for which there is memory.
     fn draw<C: Counter, const STRIDE: usize, const SPAN: usize>(
         instances: &mut Instances<'_, '_>,
         frame: &mut Tones<'_, STRIDE, SPAN>,

@@ -6,8 +6,7 @@ use core::mem::MaybeUninit;
 
 use cortex_m_rt::entry;
 use rho_grid::mode::MapSize;
-use rho_mps2_an385::{Clock, end, end_without_panel, line, model, panel};
-use rho_viewer::flow::{self, Device};
+use rho_mps2_an385::view;
 use rho_viewer::request::MAX_LINE;
 use rho_viewer::shadow::Shadow;
 use rho_viewer::strips::Strips;
@@ -18,16 +17,5 @@ const TEXELS: usize = MapSize::of(128).expect("a size of maps").words();
 fn main() -> ! {
     static mut STRIPS: Strips<Shadow<TEXELS>> = Strips::new();
     static mut LINE: [MaybeUninit<u8>; MAX_LINE] = [MaybeUninit::uninit(); MAX_LINE];
-    let line = line(LINE);
-    let screen = match panel() {
-        Ok(screen) => screen,
-        Err(error) => end_without_panel(&error),
-    };
-    let mut device = Device {
-        screen,
-        counter: Clock,
-        flash: model(),
-        painter: STRIPS,
-    };
-    end(flow::run(&mut device, line))
+    view(STRIPS, LINE)
 }
