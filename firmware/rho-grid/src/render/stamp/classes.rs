@@ -125,30 +125,40 @@ impl Classes {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::normal::normal;
     use crate::q::{Focal, Length, Rotation};
     extern crate std;
     use proptest::prelude::*;
 
+    /// The axes of an eye that is turned so, and all classes in them.
+    pub(in super::super) fn eye_turned(yaw: f64, pitch: f64) -> ([[f64; 3]; 3], Classes) {
+        let ((sy, cy), (sp, cp)) = (yaw.sin_cos(), pitch.sin_cos());
+        let rows = [
+            [cy, 0.0, -sy],
+            [-sy * sp, cp, -cy * sp],
+            [sy * cp, sp, cy * cp],
+        ];
+        let bits = |v: f64| Rotation::from_bits((v * 1_073_741_823.0) as i32);
+        let camera = Camera {
+            rotation: rows.map(|row| row.map(bits)),
+            translation: [Length::ZERO; 3],
+            focal: Focal::ONE,
+            width: 1,
+            height: 1,
+        };
+        let mut classes = Classes::empty();
+        classes.turn(&camera, 1);
+        (rows, classes)
+    }
+
     proptest! {
         #[test]
         fn a_class_is_its_normal_in_eye_space(
             yaw in -3.2..3.2f64, pitch in -1.5..1.5f64, index in 0..8192u32
         ) {
-            let ((sy, cy), (sp, cp)) = (yaw.sin_cos(), pitch.sin_cos());
-            let rows = [[cy, 0.0, -sy], [-sy * sp, cp, -cy * sp], [sy * cp, sp, cy * cp]];
-            let bits = |v: f64| Rotation::from_bits((v * 1_073_741_823.0) as i32);
-            let camera = Camera {
-                rotation: rows.map(|row| row.map(bits)),
-                translation: [Length::ZERO; 3],
-                focal: Focal::ONE,
-                width: 1,
-                height: 1,
-            };
-            let mut classes = Classes::empty();
-            classes.turn(&camera, 1);
+            let (rows, classes) = eye_turned(yaw, pitch);
             let class = classes.of(index);
             let n = normal(index >> CLASS_SHIFT << CLASS_SHIFT).map(|c| f64::from(c.to_bits()) / 16384.0);
             let eye = rows.map(|r| r[0] * n[0] + r[1] * n[1] + r[2] * n[2]);

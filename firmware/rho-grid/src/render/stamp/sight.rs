@@ -56,10 +56,9 @@ impl Sight {
 #[cfg(test)]
 mod tests {
     use super::super::classes::CLASSES;
+    use super::super::classes::tests::eye_turned;
     use super::*;
-    use crate::camera::Camera;
     use crate::normal::{CLASS_SHIFT, normal};
-    use crate::q::{Focal, Length, Rotation};
     use proptest::prelude::*;
 
     fn direction(class: u32) -> [f64; 3] {
@@ -73,18 +72,7 @@ mod tests {
             turned in prop::array::uniform2(-32..32i32),
             width in 5..60u32
         ) {
-            let ((sy, cy), (sp, cp)) = (yaw.sin_cos(), pitch.sin_cos());
-            let rows = [[cy, 0.0, -sy], [-sy * sp, cp, -cy * sp], [sy * cp, sp, cy * cp]];
-            let bits = |v: f64| Rotation::from_bits((v * 1_073_741_823.0) as i32);
-            let camera = Camera {
-                rotation: rows.map(|row| row.map(bits)),
-                translation: [Length::ZERO; 3],
-                focal: Focal::ONE,
-                width: 1,
-                height: 1,
-            };
-            let mut classes = Classes::empty();
-            classes.turn(&camera, 1);
+            let (_, classes) = eye_turned(yaw, pitch);
             let [dx, dy] = turned.map(i32::abs);
             let [tx, ty] = tangents;
             let wide = Sight::new([tx.abs() + dx, ty.abs() + dy]).unwrap();

@@ -406,12 +406,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         group: &Group,
         bounds: &Bounds,
     ) {
-        let Some([nodes, below]) = self
-            .grid
-            .levels()
-            .get(level..level + 2)
-            .and_then(|l| l.first_chunk())
-        else {
+        let Some([nodes, below]) = self.two_levels(level) else {
             return;
         };
         let view = self.view;
@@ -622,6 +617,12 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         static NONE: LevelView = LevelView::NONE;
         let view = self.view;
         view.levels.get(level).unwrap_or(&NONE)
+    }
+
+    /// The nodes of `level` and of the one below it, if both have children.
+    #[inline(always)]
+    fn two_levels(&self, level: usize) -> Option<&'g [Level<'g>; 2]> {
+        self.grid.levels().get(level..level + 2)?.first_chunk()
     }
 
     /// Number over all levels of the first node of `level`.

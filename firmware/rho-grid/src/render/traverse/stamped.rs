@@ -39,12 +39,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         cell: &Cell,
         level: usize,
     ) -> bool {
-        let Some([nodes, below]) = self
-            .grid
-            .levels()
-            .get(level..level + 2)
-            .and_then(|l| l.first_chunk())
-        else {
+        let Some([nodes, below]) = self.two_levels(level) else {
             return false;
         };
         let view = self.view;
