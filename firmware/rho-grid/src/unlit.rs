@@ -9,7 +9,7 @@ use crate::lighting::Lighting;
 use crate::normal::{COUNT, FACES, signed};
 
 /// Normals that are told apart.
-pub(crate) const NORMALS: usize = 256;
+pub(crate) const NORMALS: usize = 128;
 /// Faces of an octant for one of them.
 const EVERY: usize = COUNT / NORMALS;
 

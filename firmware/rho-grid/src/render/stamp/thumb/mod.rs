@@ -25,14 +25,21 @@
 //!   a place within a window and a half width stays outside; [`stamp`] bounds `breadth`.
 //! * *circle*: eight or six bits of place, and [`Circle`] has a table of as many.
 //! * *spread*: eight bits of a mask.
-//! * *unlit*: eight bits of a word of 16; there are [`NORMALS`](crate::unlit::NORMALS) rows.
+//! * *unlit*: seven bits of a word of 16; there are [`NORMALS`](crate::unlit::NORMALS) rows.
 //! * *in the light*: displacements by subcell and by a list's number, as above; of what a word is moved by,
 //!   its upper seven and its lowest three bits; the map by as many bits of u and of v as its side has, which
 //!   [`stamp`] compares with its length.
+//! * *columns, rows*: six bits of a place.
 //! * *pixels*: places have six bits each, so windows begin within 64 x 64 pixels of the corner, and
-//!   [`stamp`] checks that those and three more, each way, are in the frame's bytes. In a band each window
-//!   is compared with the last that lies in its bytes; one that begins before the first is, as a number
-//!   without sign, beyond the last.
+//!   [`stamp`] checks that those and three more, each way, are in the frame's bytes. Where stamps may reach
+//!   beyond the frame, a window is touched only if one of its pixels is in it ([`Edges`]): all of those are
+//!   in the bytes, by the margins, of a frame that is as wide and high as the view, which [`stamp`] compares.
+//!   In a band each window is compared with the last that lies in its bytes; one that begins before the
+//!   first is, as a number without sign, beyond the last.
+//! * *depths*: one a pixel, without margins, of a frame whose rows are no narrower than the view; [`stamp`]
+//!   compares their number. Only those are touched whose pixels are in the frame: by [`Edges`], or, where
+//!   there are none, since [`stamp`] compares the 64 x 64 windows with the view's width and height. What is
+//!   asked of a parent ends three pixels beyond the last place, as windows do.
 
 #![allow(unsafe_code, reason = "the one place with assembly")]
 
@@ -178,80 +185,34 @@ struct InLight {
     cells: *const u32,
 }
 
-unsafe extern "C" {
-    fn rho_grid_stamp_two(block: *mut Block);
-    fn rho_grid_stamp_three(block: *mut Block);
-    fn rho_grid_stamp_four(block: *mut Block);
-    fn rho_grid_stamp_band_two(block: *mut Block);
-    fn rho_grid_stamp_band_three(block: *mut Block);
-    fn rho_grid_stamp_band_four(block: *mut Block);
-    fn rho_grid_stamp_both_two(block: *mut Block);
-    fn rho_grid_stamp_both_three(block: *mut Block);
-    fn rho_grid_stamp_both_four(block: *mut Block);
-    fn rho_grid_stamp_two_cut(block: *mut Block);
-    fn rho_grid_stamp_three_cut(block: *mut Block);
-    fn rho_grid_stamp_four_cut(block: *mut Block);
-    fn rho_grid_stamp_band_two_cut(block: *mut Block);
-    fn rho_grid_stamp_band_three_cut(block: *mut Block);
-    fn rho_grid_stamp_band_four_cut(block: *mut Block);
-    fn rho_grid_stamp_both_two_cut(block: *mut Block);
-    fn rho_grid_stamp_both_three_cut(block: *mut Block);
-    fn rho_grid_stamp_both_four_cut(block: *mut Block);
-    fn rho_grid_stamp_two_64(block: *mut Block);
-    fn rho_grid_stamp_three_64(block: *mut Block);
-    fn rho_grid_stamp_four_64(block: *mut Block);
-    fn rho_grid_stamp_two_128(block: *mut Block);
-    fn rho_grid_stamp_three_128(block: *mut Block);
-    fn rho_grid_stamp_four_128(block: *mut Block);
-    fn rho_grid_stamp_two_256(block: *mut Block);
-    fn rho_grid_stamp_three_256(block: *mut Block);
-    fn rho_grid_stamp_four_256(block: *mut Block);
-    fn rho_grid_stamp_two_64_dim(block: *mut Block);
-    fn rho_grid_stamp_two_128_dim(block: *mut Block);
-    fn rho_grid_stamp_two_256_dim(block: *mut Block);
-    fn rho_grid_stamp_three_64_dim(block: *mut Block);
-    fn rho_grid_stamp_three_128_dim(block: *mut Block);
-    fn rho_grid_stamp_three_256_dim(block: *mut Block);
-    fn rho_grid_stamp_four_64_dim(block: *mut Block);
-    fn rho_grid_stamp_four_128_dim(block: *mut Block);
-    fn rho_grid_stamp_four_256_dim(block: *mut Block);
-    fn rho_grid_stamp_shaded_two_cut(block: *mut Block);
-    fn rho_grid_stamp_shaded_three_cut(block: *mut Block);
-    fn rho_grid_stamp_shaded_four_cut(block: *mut Block);
-    fn rho_grid_stamp_shaded_both_two(block: *mut Block);
-    fn rho_grid_stamp_shaded_both_three(block: *mut Block);
-    fn rho_grid_stamp_shaded_both_four(block: *mut Block);
-    fn rho_grid_stamp_shaded_both_two_cut(block: *mut Block);
-    fn rho_grid_stamp_shaded_both_three_cut(block: *mut Block);
-    fn rho_grid_stamp_shaded_both_four_cut(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_two(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_three(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_four(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_two_cut(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_three_cut(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_four_cut(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_both_two(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_both_three(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_both_four(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_both_two_cut(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_both_three_cut(block: *mut Block);
-    fn rho_grid_stamp_shaded_deep_both_four_cut(block: *mut Block);
-    fn rho_grid_stamp_deep_two(block: *mut Block);
-    fn rho_grid_stamp_deep_three(block: *mut Block);
-    fn rho_grid_stamp_deep_four(block: *mut Block);
-    fn rho_grid_stamp_deep_both_two(block: *mut Block);
-    fn rho_grid_stamp_deep_both_three(block: *mut Block);
-    fn rho_grid_stamp_deep_both_four(block: *mut Block);
-    fn rho_grid_stamp_deep_two_cut(block: *mut Block);
-    fn rho_grid_stamp_deep_three_cut(block: *mut Block);
-    fn rho_grid_stamp_deep_four_cut(block: *mut Block);
-    fn rho_grid_stamp_deep_both_two_cut(block: *mut Block);
-    fn rho_grid_stamp_deep_both_three_cut(block: *mut Block);
-    fn rho_grid_stamp_deep_both_four_cut(block: *mut Block);
-}
+/// Goes through a block, whose windows have so many rows.
+type Loop = unsafe extern "C" fn(*mut Block, rows: u32);
 
-/// One of them for windows of two, three and four rows.
-type Loops = [unsafe extern "C" fn(*mut Block); 3];
+unsafe extern "C" {
+    fn rho_grid_stamp(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_band(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_both(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_band_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_both_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_64(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_128(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_256(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_64_dim(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_128_dim(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_256_dim(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_shaded_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_shaded_both(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_shaded_both_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_shaded_deep(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_shaded_deep_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_shaded_deep_both(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_shaded_deep_both_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_deep(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_deep_both(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_deep_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_deep_both_cut(block: *mut Block, rows: u32);
+}
 
 /// Stamps all subcells of a block's parents.
 #[inline(always)]
@@ -275,9 +236,9 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         return false;
     }
     let shadows = shading.look_up();
-    // Of bands, only what is drawn most.
     let mut edges = stamps.edges;
     let is_deep = depths.is_some();
+    // Of bands, only what is drawn most.
     if band.is_some() && (BOTH || shadows.is_some()) {
         return false;
     }
@@ -325,6 +286,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     let deep = match depths {
         None => MaybeUninit::uninit(),
         Some(Depths { words, factor }) => {
+            // A depth a pixel of rows as wide as those of the frame, so views are no wider.
             let (width, height) = stamps.size;
             let farthest = i64::from(parents.centre.w)
                 + 8 * stamps
@@ -334,7 +296,8 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
                     .iter()
                     .sum::<i64>();
             let depth = (farthest.unsigned_abs() * u64::from(factor)) >> 32;
-            if depth >= 0xFFFE || words.len() < STRIDE * height as usize {
+            let holds = width as usize <= STRIDE && STRIDE * height as usize <= words.len();
+            if depth >= 0xFFFE || !holds {
                 return false;
             }
             let fits = |corner: i32, side: i32| (0..side - 66).contains(&corner);
@@ -396,7 +359,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         spread: SPREAD.as_ptr(),
         classes: stamps.classes.0.as_ptr(),
         half_planes: HALF_PLANES.as_ptr(),
-        // Of a frame within the pixels: it is neither negative nor beyond the last.
+        // Of a frame it may lie before the first pixel, where windows that begin there are left.
         corner: match band {
             None => pixels.as_mut_ptr().wrapping_add(corner as usize),
             Some(_) => core::ptr::without_provenance_mut(corner as usize),
@@ -437,133 +400,35 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         texels,
     };
     let is_shaded = shadows.is_some();
-    let loops: Loops = match (BOTH, edges.is_some()) {
-        (_, true) if band.is_some() => [
-            rho_grid_stamp_band_two_cut,
-            rho_grid_stamp_band_three_cut,
-            rho_grid_stamp_band_four_cut,
-        ],
-        (_, false) if band.is_some() => [
-            rho_grid_stamp_band_two,
-            rho_grid_stamp_band_three,
-            rho_grid_stamp_band_four,
-        ],
-        (true, true) if is_shaded && is_deep => [
-            rho_grid_stamp_shaded_deep_both_two_cut,
-            rho_grid_stamp_shaded_deep_both_three_cut,
-            rho_grid_stamp_shaded_deep_both_four_cut,
-        ],
-        (true, false) if is_shaded && is_deep => [
-            rho_grid_stamp_shaded_deep_both_two,
-            rho_grid_stamp_shaded_deep_both_three,
-            rho_grid_stamp_shaded_deep_both_four,
-        ],
-        (false, true) if is_shaded && is_deep => [
-            rho_grid_stamp_shaded_deep_two_cut,
-            rho_grid_stamp_shaded_deep_three_cut,
-            rho_grid_stamp_shaded_deep_four_cut,
-        ],
-        (false, false) if is_shaded && is_deep => [
-            rho_grid_stamp_shaded_deep_two,
-            rho_grid_stamp_shaded_deep_three,
-            rho_grid_stamp_shaded_deep_four,
-        ],
-        (true, true) if is_shaded => [
-            rho_grid_stamp_shaded_both_two_cut,
-            rho_grid_stamp_shaded_both_three_cut,
-            rho_grid_stamp_shaded_both_four_cut,
-        ],
-        (true, false) if is_shaded => [
-            rho_grid_stamp_shaded_both_two,
-            rho_grid_stamp_shaded_both_three,
-            rho_grid_stamp_shaded_both_four,
-        ],
-        (false, true) if is_shaded => [
-            rho_grid_stamp_shaded_two_cut,
-            rho_grid_stamp_shaded_three_cut,
-            rho_grid_stamp_shaded_four_cut,
-        ],
-        (true, true) if is_deep => [
-            rho_grid_stamp_deep_both_two_cut,
-            rho_grid_stamp_deep_both_three_cut,
-            rho_grid_stamp_deep_both_four_cut,
-        ],
-        (true, false) if is_deep => [
-            rho_grid_stamp_deep_both_two,
-            rho_grid_stamp_deep_both_three,
-            rho_grid_stamp_deep_both_four,
-        ],
-        (false, true) if is_deep => [
-            rho_grid_stamp_deep_two_cut,
-            rho_grid_stamp_deep_three_cut,
-            rho_grid_stamp_deep_four_cut,
-        ],
-        (false, false) if is_deep => [
-            rho_grid_stamp_deep_two,
-            rho_grid_stamp_deep_three,
-            rho_grid_stamp_deep_four,
-        ],
-        (true, true) => [
-            rho_grid_stamp_both_two_cut,
-            rho_grid_stamp_both_three_cut,
-            rho_grid_stamp_both_four_cut,
-        ],
-        (true, false) => [
-            rho_grid_stamp_both_two,
-            rho_grid_stamp_both_three,
-            rho_grid_stamp_both_four,
-        ],
-        (false, true) => [
-            rho_grid_stamp_two_cut,
-            rho_grid_stamp_three_cut,
-            rho_grid_stamp_four_cut,
-        ],
+    let stamp_all: Loop = match (BOTH, edges.is_some()) {
+        (_, true) if band.is_some() => rho_grid_stamp_band_cut,
+        (_, false) if band.is_some() => rho_grid_stamp_band,
+        (true, true) if is_shaded && is_deep => rho_grid_stamp_shaded_deep_both_cut,
+        (true, false) if is_shaded && is_deep => rho_grid_stamp_shaded_deep_both,
+        (false, true) if is_shaded && is_deep => rho_grid_stamp_shaded_deep_cut,
+        (false, false) if is_shaded && is_deep => rho_grid_stamp_shaded_deep,
+        (true, true) if is_shaded => rho_grid_stamp_shaded_both_cut,
+        (true, false) if is_shaded => rho_grid_stamp_shaded_both,
+        (false, true) if is_shaded => rho_grid_stamp_shaded_cut,
+        (true, true) if is_deep => rho_grid_stamp_deep_both_cut,
+        (true, false) if is_deep => rho_grid_stamp_deep_both,
+        (false, true) if is_deep => rho_grid_stamp_deep_cut,
+        (false, false) if is_deep => rho_grid_stamp_deep,
+        (true, true) => rho_grid_stamp_both_cut,
+        (true, false) => rho_grid_stamp_both,
+        (false, true) => rho_grid_stamp_cut,
         (false, false) => match (bits, rows_of_unlit > 0) {
-            (0, _) => [
-                rho_grid_stamp_two,
-                rho_grid_stamp_three,
-                rho_grid_stamp_four,
-            ],
-            (6, false) => [
-                rho_grid_stamp_two_64,
-                rho_grid_stamp_three_64,
-                rho_grid_stamp_four_64,
-            ],
-            (7, false) => [
-                rho_grid_stamp_two_128,
-                rho_grid_stamp_three_128,
-                rho_grid_stamp_four_128,
-            ],
-            (_, false) => [
-                rho_grid_stamp_two_256,
-                rho_grid_stamp_three_256,
-                rho_grid_stamp_four_256,
-            ],
-            (6, true) => [
-                rho_grid_stamp_two_64_dim,
-                rho_grid_stamp_three_64_dim,
-                rho_grid_stamp_four_64_dim,
-            ],
-            (7, true) => [
-                rho_grid_stamp_two_128_dim,
-                rho_grid_stamp_three_128_dim,
-                rho_grid_stamp_four_128_dim,
-            ],
-            (_, true) => [
-                rho_grid_stamp_two_256_dim,
-                rho_grid_stamp_three_256_dim,
-                rho_grid_stamp_four_256_dim,
-            ],
+            (0, _) => rho_grid_stamp,
+            (6, false) => rho_grid_stamp_64,
+            (7, false) => rho_grid_stamp_128,
+            (_, false) => rho_grid_stamp_256,
+            (6, true) => rho_grid_stamp_64_dim,
+            (7, true) => rho_grid_stamp_128_dim,
+            (_, true) => rho_grid_stamp_256_dim,
         },
     };
-    let [two, three, four] = loops;
-    let stamp_all = match rows {
-        2 => two,
-        3 => three,
-        _ => four,
-    };
     // SAFETY: the module's argument; all that is pointed to is borrowed here.
-    unsafe { stamp_all(&raw mut block) };
+    unsafe { stamp_all(&raw mut block, rows as u32) };
     true
 }
 
@@ -583,7 +448,7 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, texels) == 312);
     assert!(core::mem::offset_of!(Texels, texel) == 8);
     assert!(FIRST == 2);
-    assert!(NORMALS == 256 && MAX_MATERIALS == 8);
+    assert!(NORMALS == 128 && MAX_MATERIALS == 8);
     assert!(size_of::<Within>() == 4);
     assert!(FAR_AWAY == -0x1000_0000);
     assert!(TWO_SIDED == 127 && WIDTH_BITS == 7);
