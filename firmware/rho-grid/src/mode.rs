@@ -152,8 +152,8 @@ impl Preset {
     const fn fineness(self) -> u64 {
         match self {
             Self::Fast => 62,
-            Self::Balanced => 82,
-            Self::Fine => 123,
+            Self::Balanced => 73,
+            Self::Fine => 92,
             Self::Finest => 140,
         }
     }
@@ -392,8 +392,8 @@ mod tests {
         };
         let cells = |preset: Preset| [2.2883, 9.1532].map(|d| preset.cells(&camera(d)));
         assert_eq!(cells(Preset::Fast), [81, 41]);
-        assert_eq!(cells(Preset::Balanced), [107, 54]);
-        assert_eq!(cells(Preset::Fine), [160, 80]);
+        assert_eq!(cells(Preset::Balanced), [95, 48]);
+        assert_eq!(cells(Preset::Fine), [120, 60]);
         assert_eq!(cells(Preset::Finest), [182, 91]);
         // At and in the cube, and at any zoom, there is an answer.
         assert_eq!(

@@ -41,10 +41,10 @@ impl Default for BakeOptions {
     }
 }
 
-/// The grids of [`BakeOptions::standard`]: 48, 54, 81, 108 and 162 cells an axis, for the presets.
+/// The grids of [`BakeOptions::standard`]: 48, 60, 81, 108 and 162 cells an axis, for the presets.
 const STANDARD: [&[u8]; 5] = [
     &[4, 4, 3],
-    &[2, 3, 3, 3],
+    &[4, 5, 3],
     &[3, 3, 3, 3],
     &[2, 3, 2, 3, 3],
     &[2, 3, 3, 3, 3],

@@ -22,9 +22,9 @@ use super::visibility::Shape;
 use crate::blob::Layout;
 use crate::normal::normal;
 
-/// The disc's radius squared, in sides of a cell, times 256: r = 0.9 leaves hardly a hole between
-/// thin leaves, and larger ones cost silhouette.
-const RADIUS_SQUARED: i32 = 207;
+/// The disc's radius squared, in sides of a cell, times 256: r = 0.87 leaves hardly a hole between
+/// thin leaves, whose lattice needs that where two axes are alike, and larger ones cost silhouette.
+const RADIUS_SQUARED: i32 = 193;
 
 /// What a block's discs have in common.
 #[derive(Clone, Copy, Debug)]

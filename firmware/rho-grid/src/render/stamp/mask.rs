@@ -109,8 +109,8 @@ pub(super) static WINDOWS: [[Direction; DIRECTIONS]; 3] = {
 };
 
 /// Radii for which there are circles.
-const LEVELS: usize = 26;
-/// The least radius, 256 to the pixel; each level is a thirteenth larger than the one before.
+const LEVELS: usize = 52;
+/// The least radius, 256 to the pixel; each level is a 27th larger than the one before.
 const LEAST: u32 = 84;
 /// The first level whose circle may hold three pixels a row, and the first with four.
 const THREES: usize = level_above(256);
@@ -123,7 +123,7 @@ const fn radius(level: usize) -> u32 {
     let mut r = LEAST << 8;
     let mut l = 0;
     while l < level {
-        r += r / 13;
+        r += r / 27;
         l += 1;
     }
     r >> 8
@@ -201,16 +201,16 @@ static LARGE: [[u16; 64]; LEVELS - THREES] = {
     masks
 };
 
-/// `[radius / 16]` (256 to the pixel): the level of the nearest radius.
+/// `[radius / 4]` (256 to the pixel): the level of the nearest radius.
 #[allow(
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, where an index out of range is an error"
 )]
-static LEVEL_OF: [u8; LARGEST as usize / 16 + 1] = {
-    let mut levels = [0; LARGEST as usize / 16 + 1];
+static LEVEL_OF: [u8; LARGEST as usize / 4 + 1] = {
+    let mut levels = [0; LARGEST as usize / 4 + 1];
     let mut i = 0;
     while i < levels.len() {
-        let r = i as u32 * 16 + 8;
+        let r = i as u32 * 4 + 2;
         let mut level = 0;
         while level + 1 < LEVELS && (radius(level) + radius(level + 1)) / 2 < r {
             level += 1;
@@ -275,7 +275,7 @@ impl Circle {
 
     /// For a radius of `r` (256 to the pixel); `None` when it is above [`LARGEST`].
     pub(super) fn of(r: u32) -> Option<Self> {
-        let level = usize::from(*LEVEL_OF.get(r as usize / 16)?);
+        let level = usize::from(*LEVEL_OF.get(r as usize / 4)?);
         match level.checked_sub(THREES) {
             None => SMALL.get(level).map(Self::Two),
             Some(large) => {
