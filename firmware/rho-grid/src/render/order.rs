@@ -9,22 +9,50 @@
 /// Most subcells of a cell: rho = 5.
 const MAX_SUBCELLS: usize = 125;
 
-/// Subcells in order.
-pub(super) type List = [u8; MAX_SUBCELLS];
+/// A subcell of a cell, and its rank among those that are there.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Listed(u16);
 
-/// Up to five small numbers in the order in which they are taken, four bits each, one more than
-/// the number; the end is 0.
+impl Listed {
+    /// The first.
+    pub(super) const ZERO: Self = Self(0);
+
+    /// Below 125, both.
+    #[inline(always)]
+    fn new(subcell: u32, rank: u32) -> Self {
+        Self((rank << 8 | subcell) as u16)
+    }
+
+    /// Its number.
+    #[inline(always)]
+    pub(super) fn subcell(self) -> u8 {
+        self.0 as u8
+    }
+
+    /// How many come before it in the numbering of children.
+    #[inline(always)]
+    pub(super) fn rank(self) -> u32 {
+        u32::from(self.0 >> 8)
+    }
+}
+
+/// Subcells in order.
+pub(super) type List = [Listed; MAX_SUBCELLS];
+
+/// Up to five slabs in the order in which they are taken, six bits each: one more than the slab's
+/// number, and above that its rank among those that are there; the end is 0.
 #[derive(Clone, Copy)]
 pub(super) struct Few(u32);
 
 impl Iterator for Few {
-    type Item = u32;
+    /// A slab and its rank.
+    type Item = (u32, u32);
 
     #[inline(always)]
-    fn next(&mut self) -> Option<u32> {
-        let n = self.0 & 15;
-        self.0 >>= 4;
-        n.checked_sub(1)
+    fn next(&mut self) -> Option<(u32, u32)> {
+        let (n, rank) = (self.0 & 7, self.0 >> 3 & 7);
+        self.0 >>= 6;
+        n.checked_sub(1).map(|slab| (slab, rank))
     }
 }
 
@@ -37,7 +65,8 @@ const fn outwards(rho: u32, eye: u32, bits: u32) -> Few {
         // eye, eye - 1, ... 0, then eye + 1, ...
         let slab = if at <= eye { eye - at } else { at };
         if bits >> slab & 1 == 1 {
-            few = few << 4 | (slab + 1);
+            let rank = (bits & ((1 << slab) - 1)).count_ones();
+            few = few << 6 | rank << 3 | (slab + 1);
         }
     }
     Few(few)
@@ -97,7 +126,7 @@ impl<const RHO: usize> Order<RHO> {
     #[inline(always)]
     pub(super) fn planes(self, mask: &[u32; 4]) -> impl Iterator<Item = (u32, u32)> {
         self.along_z
-            .map(|k| (k, plane::<RHO>(mask, k as usize)))
+            .map(|(k, _)| (k, plane::<RHO>(mask, k as usize)))
             .filter(|(_, plane)| *plane != 0)
     }
 
@@ -105,7 +134,7 @@ impl<const RHO: usize> Order<RHO> {
     #[inline(always)]
     pub(super) fn rows(self, plane: u32) -> impl Iterator<Item = (u32, u32)> {
         self.along_y
-            .map(move |j| (j, (plane >> ((RHO as u32 * j) & 31)) & ((1 << RHO) - 1)))
+            .map(move |(j, _)| (j, (plane >> ((RHO as u32 * j) & 31)) & ((1 << RHO) - 1)))
             .filter(|(_, row)| *row != 0)
     }
 
@@ -118,21 +147,32 @@ impl<const RHO: usize> Order<RHO> {
             .unwrap_or(Few(0))
     }
 
+    /// Takes all subcells in `mask`: its place and what is listed of it.
+    #[inline(always)]
+    pub(super) fn each(self, mask: &[u32; 4], mut take: impl FnMut([u32; 3], Listed)) {
+        let rho = RHO as u32;
+        for (k, plane) in self.planes(mask) {
+            let before = rank(mask, (rho * rho * k) as u8);
+            for (j, row) in self.rows(plane) {
+                let before = before + (plane & ((1 << (rho * j)) - 1)).count_ones();
+                let first = rho * (j + rho * k);
+                for (i, rank) in self.cells(row) {
+                    take([i, j, k], Listed::new(first + i, before + rank));
+                }
+            }
+        }
+    }
+
     /// Lists all subcells in `mask`; returns how many there are.
     #[inline(always)]
     pub(super) fn list(self, mask: &[u32; 4], list: &mut List) -> usize {
         let mut count = 0;
-        for (k, plane) in self.planes(mask) {
-            for (j, row) in self.rows(plane) {
-                let first = RHO as u32 * (j + RHO as u32 * k);
-                for i in self.cells(row) {
-                    if let Some(entry) = list.get_mut(count) {
-                        *entry = (first + i) as u8;
-                        count += 1;
-                    }
-                }
+        self.each(mask, |_, listed| {
+            if let Some(entry) = list.get_mut(count) {
+                *entry = listed;
+                count += 1;
             }
-        }
+        });
         count
     }
 }
@@ -207,20 +247,21 @@ mod tests {
         let cells = RHO.pow(3) as u32;
         let mask = mask & (u128::MAX >> (128 - cells));
         let words = [0, 32, 64, 96].map(|s| (mask >> s) as u32);
-        let mut entries = [0; MAX_SUBCELLS];
+        let mut entries = [Listed::default(); MAX_SUBCELLS];
         let count = Order::<RHO>::new(eye).list(&words, &mut entries);
         assert_eq!(count as u32, mask.count_ones());
         let listed = &entries[..count];
         let inside = eye.map(|e| e.clamp(0, RHO as i32 - 1));
         let between = |a: i32, b: i32, eye: i32| (eye <= a && a <= b) || (b <= a && a <= eye);
-        for (at, n) in listed.iter().enumerate() {
+        for (at, entry) in listed.iter().enumerate() {
+            let n = entry.subcell();
             assert!(mask >> n & 1 == 1, "only cells of the mask");
-            let rank_here = rank(&words, *n);
-            assert_eq!(rank_here, (mask & ((1 << n) - 1)).count_ones());
+            assert_eq!(entry.rank(), (mask & ((1 << n) - 1)).count_ones());
+            assert_eq!(entry.rank(), rank(&words, n));
             // Nothing that could hide it comes later.
-            let me = place(RHO as u8, *n);
+            let me = place(RHO as u8, n);
             for later in &listed[at + 1..] {
-                let other = place(RHO as u8, *later);
+                let other = place(RHO as u8, later.subcell());
                 let hides = (0..3).all(|d| between(other[d], me[d], inside[d]));
                 assert!(!hides, "{other:?} hides {me:?} from {inside:?}");
             }

@@ -233,6 +233,10 @@ pub(super) enum Circle {
 }
 
 impl Circle {
+    /// The least.
+    #[allow(clippy::indexing_slicing, reason = "evaluated by the compiler")]
+    pub(super) const LEAST: Self = Self::Two(&SMALL[0]);
+
     /// Rows and columns of its window: its centre lies half as many pixels from the window's edge, and a
     /// part of a pixel.
     #[inline(always)]

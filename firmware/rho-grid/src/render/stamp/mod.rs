@@ -37,6 +37,7 @@ pub(super) use thumb::{STRIDE, clear, is_covered, next_to_fill};
 pub(super) use classes::Classes;
 pub(super) use sight::Sight;
 
+use super::order;
 use super::project::{Homogeneous, OverW};
 use super::view::{Step, View};
 use super::visibility::{Stamp, Visibility};
@@ -67,7 +68,7 @@ const RADIUS: i32 = 222;
 /// not all of which faces as it does.
 const FAR_AWAY: i32 = -(1 << 28);
 
-/// What the samples of a block have in common.
+/// What the samples of a block have in common, and those of all blocks of a frame.
 pub(super) struct Stamps<'v> {
     sight: Sight,
     /// Whether backs may show, so that what faces away is not left at once.
@@ -76,8 +77,9 @@ pub(super) struct Stamps<'v> {
     breadth: u32,
     /// From a plane of cells to the next.
     along_z: u32,
-    /// By offset step: 32nds of a pixel.
-    offsets: [i8; 8],
+    offsets: Offsets,
+    /// What an offset may reach, in 128ths of a cell's side.
+    offset_range: i32,
     /// From the middle of a plane of 3 x 3 cells to each.
     cells: [u32; 9],
     /// Steps in W along x, y and z.
@@ -90,6 +92,41 @@ pub(super) struct Stamps<'v> {
     size: (i32, i32),
     /// The frame's edges, if stamps may reach beyond them.
     edges: Option<Edges>,
+    #[cfg(rho_thumb)]
+    loops: thumb::Loops,
+}
+
+/// By offset step: 32nds of a pixel.
+type Offsets = [i8; 8];
+
+/// How far the largest offset may reach: 144 64ths of a pixel, for cells of 2.6 pixels and leaves of all layouts.
+const UNITS: usize = 144;
+
+static EIGHT: [Offsets; UNITS] = steps(8);
+static FOUR: [Offsets; UNITS] = steps(4);
+
+/// Offsets in so many steps, each in the middle of its part of all that they may reach. Of four steps all eight
+/// entries tell, whatever stands above them in a word.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+const fn steps(count: i32) -> [Offsets; UNITS] {
+    let mut all = [[0; 8]; UNITS];
+    let mut unit = 0;
+    while unit < UNITS {
+        // 4096ths of a pixel; rounded to 32nds.
+        let reach = unit as i32 * 64 + 32;
+        let first = 64 - (count - 1) * reach / count;
+        let mut step = 0;
+        while step < 8 {
+            let along = reach * (step as i32 % count) * 2 / count;
+            all[unit][step] = ((first + along) >> 7) as i8;
+            step += 1;
+        }
+        unit += 1;
+    }
+    all
 }
 
 /// Most parents of a block: it is divided by 5.
@@ -100,8 +137,8 @@ pub(super) trait Fields {
     /// A word in flash.
     type Word: Copy + Default + Into<u32>;
 
-    /// Steps of the offset, 8 at most.
-    const OFFSETS: i32;
+    /// `[reach in 64ths of a pixel]`: offsets by step.
+    const OFFSETS: &'static [Offsets; UNITS];
 
     /// The normal's index, 13 bits.
     fn normal(word: u32) -> u32;
@@ -115,7 +152,7 @@ pub(super) trait Fields {
     /// Stamps all of a block's parents in assembly, if that is made for such words and this target.
     #[cfg(rho_thumb)]
     fn thumb<V: Visibility>(
-        _: &Stamps<'_>,
+        _: &mut Stamps<'_>,
         _: &mut V,
         _: &Parents<'_, '_, Self::Word>,
         _: &impl Shade,
@@ -133,7 +170,7 @@ pub(super) struct Colour;
 
 impl Fields for Offset {
     type Word = u16;
-    const OFFSETS: i32 = 8;
+    const OFFSETS: &'static [Offsets; UNITS] = &EIGHT;
 
     #[inline(always)]
     fn normal(word: u32) -> u32 {
@@ -152,7 +189,7 @@ impl Fields for Offset {
 
     #[cfg(rho_thumb)]
     fn thumb<V: Visibility>(
-        stamps: &Stamps<'_>,
+        stamps: &mut Stamps<'_>,
         target: &mut V,
         parents: &Parents<'_, '_, u16>,
         shading: &impl Shade,
@@ -163,7 +200,7 @@ impl Fields for Offset {
 
 impl Fields for Both {
     type Word = u16;
-    const OFFSETS: i32 = 4;
+    const OFFSETS: &'static [Offsets; UNITS] = &FOUR;
 
     #[inline(always)]
     fn normal(word: u32) -> u32 {
@@ -182,7 +219,7 @@ impl Fields for Both {
 
     #[cfg(rho_thumb)]
     fn thumb<V: Visibility>(
-        stamps: &Stamps<'_>,
+        stamps: &mut Stamps<'_>,
         target: &mut V,
         parents: &Parents<'_, '_, u16>,
         shading: &impl Shade,
@@ -193,7 +230,7 @@ impl Fields for Both {
 
 impl Fields for Colour {
     type Word = u32;
-    const OFFSETS: i32 = 8;
+    const OFFSETS: &'static [Offsets; UNITS] = &EIGHT;
 
     #[inline(always)]
     fn normal(word: u32) -> u32 {
@@ -321,21 +358,16 @@ impl<'a, 'g, W> Parents<'a, 'g, W> {
         }
     }
 
-    /// Adds a block's parents as `list` has them (rank and subcell, from front to back). `eye` is
-    /// the eye's slab among all their subcells, and `place` tells a subcell's own.
-    #[inline(always)]
-    pub(super) fn list(
-        &mut self,
-        list: impl Iterator<Item = (u32, u32)>,
-        eye: [i32; 3],
-        place: impl Fn(u32) -> [i32; 3],
-    ) {
-        for (rank, subcell) in list {
-            let [i, j, k] = place(subcell);
-            let [ex, ey, ez] = eye;
-            let order = Order::new([ex - 3 * i > 1, ey - 3 * j > 1, ez - 3 * k > 1]);
-            self.push(subcell, rank, order);
-        }
+    /// Adds the parents in `mask` of a block divided by `RHO`; `eye` is the eye's slab among all their subcells.
+    #[inline(never)]
+    pub(super) fn list<const RHO: usize>(&mut self, mask: [u32; 4], eye: [i32; 3]) {
+        // Of each axis, how many of the parents have the eye beyond their middle.
+        let [beyond_x, beyond_y, beyond_z] = eye.map(|e| (e + 1).div_euclid(3).max(0) as u32);
+        let eye_of_parents = eye.map(|e| e.div_euclid(3));
+        order::Order::<RHO>::new(eye_of_parents).each(&mask, |[i, j, k], listed| {
+            let order = Order::new([i < beyond_x, j < beyond_y, k < beyond_z]);
+            self.push(listed.subcell().into(), listed.rank(), order);
+        });
     }
 
     /// Adds the parents in `mask`, 3 x 3 x 3, of a block that the eye sees from outside: all its
@@ -370,83 +402,93 @@ impl<'a, 'g, W> Parents<'a, 'g, W> {
 const REACH: i32 = 32;
 
 impl<'v> Stamps<'v> {
-    /// For a block whose centre is projected to (x, y) (Q8 from the axis) with half extents `own`
-    /// (Q8), and whose cells have a side of `side` and are `steps` (Q16), in W `depths` apart; `is_inside`
-    /// says that no stamp has pixels beyond the frame's edge. `None` when its discs cannot be stamped: too large, or
-    /// seen too far from the axis.
+    /// For blocks that `view` shows, whose samples' offsets reach so far (128ths of a cell's side).
+    pub(super) fn new(view: &'v View, offset_range: u8) -> Self {
+        Self {
+            classes: &view.classes,
+            sight: Sight::AHEAD,
+            backs: !view.no_backs,
+            circle: Circle::LEAST,
+            breadth: 0,
+            offsets: [0; 8],
+            offset_range: offset_range.into(),
+            cells: [0; 9],
+            along_z: 0,
+            depths: [0; 3],
+            corner: (0, 0),
+            size: (view.width, view.height),
+            edges: None,
+            #[cfg(rho_thumb)]
+            loops: thumb::Loops::NONE,
+        }
+    }
+
+    /// Whether the places of a block that reaches so far from its centre (Q8) fit into packed ones, and discs of
+    /// cells with this side (Q16) into a mask.
     #[inline(always)]
-    #[allow(clippy::too_many_arguments, reason = "fields by name")]
-    pub(super) fn new<F: Fields>(
-        view: &'v View,
-        offset_range: u8,
+    pub(super) fn can_hold(view: &View, reach: i32, side: i32) -> bool {
+        // A side of 2.6 pixels has discs of 0.8 sides then: still no holes.
+        reach <= (REACH - 4) << 8 && side <= 170_000 && view.width.min(view.height) >= 64
+    }
+
+    /// For a block that they [can hold](Self::can_hold), whose centre is projected to (x, y) (Q8 from the
+    /// axis), and whose cells have a side of `side` and are `steps` (Q16), in W `depths` apart; `is_inside` says
+    /// that no stamp has pixels beyond the frame's edge. False when it is seen too far from the axis, or not at
+    /// all.
+    #[inline(always)]
+    pub(super) fn turn_to<F: Fields>(
+        &mut self,
+        view: &View,
         steps: &[Step; 3],
         [x, y]: [i32; 2],
-        own: i32,
         side: i32,
         depths: [i32; 3],
         is_inside: bool,
-    ) -> Option<Self> {
-        // A side of 2.6 pixels has discs of 0.8 sides then: still no holes.
-        if own > (REACH - 4) << 8 || side > 170_000 || view.width.min(view.height) < 64 {
-            return None;
-        }
+    ) -> bool {
         let (tx, ty) = (view.tangent(x), view.tangent(y));
         let square = tx * tx + ty * ty;
-        let sight = Sight::new([tx, ty])?;
+        let Some(sight) = Sight::new([tx, ty]) else {
+            return false;
+        };
+        self.sight = sight;
         // 1 / sqrt(1 + t^2) by its series, 256 to the unit; t^2 is at most a half.
         let t2 = square >> 10;
         let length = 256 - (t2 >> 1) + ((3 * t2 * t2) >> 11) - ((5 * t2 * t2 * t2) >> 20);
         let radius = (side * (RADIUS >> 1)) >> 15;
-        let circle = Circle::of((radius as u32).min(mask::LARGEST))?;
+        let Some(circle) = Circle::of((radius as u32).min(mask::LARGEST)) else {
+            return false;
+        };
+        self.circle = circle;
         // 64ths of a pixel.
-        let breadth = ((radius * length) >> 10) as u32;
+        self.breadth = ((radius * length) >> 10) as u32;
 
-        // 32nds of a pixel, rounded; below 2.6 pixels, so below 84.
-        let unit = ((side >> 4) * i32::from(offset_range)) >> 7;
-        let first = (1 << 6) - (((F::OFFSETS - 1) * unit) / F::OFFSETS);
-        // Of four steps all eight entries tell, whatever stands above them in a word.
-        let offset =
-            |step: i32| ((first + (unit * (step % F::OFFSETS) * 2) / F::OFFSETS) >> 7) as i8;
+        let reach = ((side >> 4) * self.offset_range) >> 13;
+        let offsets = F::OFFSETS.get(reach as usize);
+        self.offsets = *offsets.or(F::OFFSETS.last()).unwrap_or(&[0; 8]);
 
         let packed = |s: &Step| ((s.x >> 6) as u32).wrapping_add(((s.y >> 6) as u32) << 16);
         let [sx, sy, sz] = steps;
-        let (sx, sy, along_z) = (packed(sx), packed(sy), packed(sz));
+        let (sx, sy) = (packed(sx), packed(sy));
+        self.along_z = packed(sz);
         let row = |middle: u32| [middle.wrapping_sub(sx), middle, middle.wrapping_add(sx)];
         let ([a, b, c], [d, e, f], [g, h, i]) = (row(0u32.wrapping_sub(sy)), row(0), row(sy));
+        self.cells = [a, b, c, d, e, f, g, h, i];
+        self.depths = depths;
+
         let corner = |v: i32, side: i32| ((v >> 8) + (side >> 1)) - REACH;
-        let size = (view.width, view.height);
-        let mut corner = (corner(x, size.0), corner(y, size.1));
-        let edges = if is_inside {
+        let (width, height) = self.size;
+        let corner = (corner(x, width), corner(y, height));
+        if is_inside {
             // Windows in the frame begin within 64 pixels of a corner whose 64 windows are in it, too.
             let moved = |corner: i32, side: i32| corner.min(side - 67).max(0);
-            corner = (moved(corner.0, size.0), moved(corner.1, size.1));
-            None
+            self.corner = (moved(corner.0, width), moved(corner.1, height));
+            self.edges = None;
         } else {
-            Some(Edges::new(corner, size)?)
-        };
-        Some(Self {
-            classes: &view.classes,
-            sight,
-            backs: !view.no_backs,
-            circle,
-            breadth,
-            offsets: [
-                offset(0),
-                offset(1),
-                offset(2),
-                offset(3),
-                offset(4),
-                offset(5),
-                offset(6),
-                offset(7),
-            ],
-            cells: [a, b, c, d, e, f, g, h, i],
-            along_z,
-            depths,
-            corner,
-            size,
-            edges,
-        })
+            self.corner = corner;
+            self.edges = Edges::new(corner, self.size);
+            return self.edges.is_some();
+        }
+        true
     }
 
     /// In W, from the middle of a plane of 3 x 3 cells to each.
@@ -486,7 +528,7 @@ impl<'v> Stamps<'v> {
     /// Stamps all subcells of a block's parents.
     #[inline(always)]
     pub(super) fn stamp<F: Fields, V: Visibility, R: Reciprocal>(
-        &self,
+        &mut self,
         target: &mut V,
         parents: &Parents<'_, '_, F::Word>,
         shading: &impl Shade,

@@ -13,6 +13,12 @@ pub(in crate::render) struct Sight {
 }
 
 impl Sight {
+    /// Along the optical axis.
+    pub(super) const AHEAD: Self = Self {
+        tangents: 0,
+        step: (WIDTH_STEP as i32) << 19,
+    };
+
     /// With these tangents (512 to the unit), of which the squares' sum is at most a half.
     #[inline(always)]
     pub(in crate::render) fn new([tx, ty]: [i32; 2]) -> Option<Self> {

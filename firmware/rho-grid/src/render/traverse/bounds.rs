@@ -33,12 +33,12 @@ impl<V: Visibility, S: Shade> Walk<'_, '_, V, S> {
         }
     }
 
-    /// Whether no stamp of `block` has pixels beyond the frame's edge, if discs reach `beyond` it (Q8) at
-    /// most.
+    /// Whether no stamp of `block`, whose half extents are below 2^16, has pixels beyond the frame's edge, if
+    /// discs reach `beyond` it (Q8) at most.
     pub(super) fn is_within_frame(&self, block: &Bounds, beyond: i32) -> bool {
         let within = |centre: i32, half: i32, side: i32| {
             // A window ends three pixels beyond its disc's centre.
-            let reach = half.saturating_add(beyond).saturating_add(3 << 8);
+            let reach = half + beyond + (3 << 8);
             centre >= reach && reach < (side << 8) - centre
         };
         within(block.x, block.half_x, self.view.width)

@@ -22,10 +22,10 @@ mod stamped;
 
 use super::disc::Discs;
 use super::footprint::{Footprint, Pixels};
-use super::order::{self, List, Order};
+use super::order::{self, List, Listed, Order};
 use super::project::{Bounds, Homogeneous};
 use super::shadow::ShadowView;
-use super::stamp::{self, Kind};
+use super::stamp::{self, Kind, Stamps};
 use super::view::{Half, LevelView, Slabs, Step, Steps, View};
 use super::visibility::{Rect, Visibility};
 use crate::blob::format::MAX_SUBDIVISIONS;
@@ -39,7 +39,6 @@ struct Open {
     centre: Homogeneous,
     /// Place among the cells of its level.
     place: [i32; 3],
-    mask: [u32; 4],
     /// Number of its first child within the next level.
     first_child: u32,
     /// Half extents of its children, or `None` when they may be too near to be projected.
@@ -53,10 +52,9 @@ impl Open {
     const NONE: Self = Self {
         centre: Homogeneous::ZERO,
         place: [0; 3],
-        mask: [0; 4],
         first_child: 0,
         half: None,
-        list: [0; size_of::<List>()],
+        list: [Listed::ZERO; size_of::<List>() / size_of::<Listed>()],
         count: 0,
         next: 0,
     };
@@ -131,7 +129,8 @@ struct Walk<'g, 'v, V, S> {
     shading: &'v S,
     target: &'v mut V,
     /// How samples are stamped, if their layout can be.
-    stamps: Option<Kind>,
+    kind: Option<Kind>,
+    stamps: Stamps<'v>,
     parents: stamp::ParentList,
 }
 
@@ -150,7 +149,8 @@ pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
         view,
         shading,
         target,
-        stamps: Kind::of(grid.layout()).filter(|_| !meets(shading)),
+        kind: Kind::of(grid.layout()).filter(|_| !meets(shading)),
+        stamps: Stamps::new(view, grid.layout().offset_range),
         parents: stamp::NO_PARENTS,
     }
     .run::<F, R>()
@@ -175,13 +175,13 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
                 open = level;
                 continue;
             }
-            let subcell = parent.list.get(usize::from(parent.next)).copied();
+            let listed = parent.list.get(usize::from(parent.next));
+            let listed = listed.copied().unwrap_or_default();
             parent.next += 1;
-            let Some((cell, pixels)) = self.subcell::<F, R>(parent, level, subcell.unwrap_or(0))
-            else {
+            let Some((cell, pixels)) = self.subcell::<F, R>(parent, level, listed) else {
                 if S::MEETS {
                     let parent = *parent;
-                    self.meet_below(&parent, level, subcell.unwrap_or(0));
+                    self.meet_below(&parent, level, listed);
                 }
                 continue;
             };
@@ -202,11 +202,11 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
 
     /// Meets the samples of a subcell of a cell of `level` that is out of sight.
     #[cold]
-    fn meet_below(&self, parent: &Open, level: usize, subcell: u8) {
+    fn meet_below(&self, parent: &Open, level: usize, listed: Listed) {
         let rho = self.grid.levels().get(level).map_or(2, |nodes| nodes.rho);
-        let [i, j, k] = order::place(rho, subcell);
+        let [i, j, k] = order::place(rho, listed.subcell());
         let [x, y, z] = parent.place.map(|p| p * i32::from(rho));
-        let node = parent.first_child + order::rank(&parent.mask, subcell);
+        let node = parent.first_child + listed.rank();
         let place = [x + i, y + j, z + k];
         self.shading.meet_below(self.grid, level + 1, node, place);
     }
@@ -270,7 +270,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             return false;
         }
         let eye = self.eye_slab(children, cell.place, i32::from(nodes.rho));
-        open.mask = match nodes.rho {
+        let mask = match nodes.rho {
             2 => open.order::<2>(nodes, cell.node, eye),
             3 => open.order::<3>(nodes, cell.node, eye),
             4 => open.order::<4>(nodes, cell.node, eye),
@@ -302,10 +302,10 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
                 return true;
             };
             match nodes.rho {
-                2 => self.alone::<F, 2>(open, &cell, level, &group),
-                3 => self.alone::<F, 3>(open, &cell, level, &group),
-                4 => self.alone::<F, 4>(open, &cell, level, &group),
-                _ => self.alone::<F, 5>(open, &cell, level, &group),
+                2 => self.alone::<F, 2>(open.first_child, mask, &cell, level, &group),
+                3 => self.alone::<F, 3>(open.first_child, mask, &cell, level, &group),
+                4 => self.alone::<F, 4>(open.first_child, mask, &cell, level, &group),
+                _ => self.alone::<F, 5>(open.first_child, mask, &cell, level, &group),
             }
             return false;
         }
@@ -352,11 +352,12 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         Some(Group { steps, discs })
     }
 
-    /// Draws the children of an open cell of `level`, divided by `RHO`.
+    /// Draws the children in `mask` of a cell of `level`, divided by `RHO`.
     #[inline(never)]
     fn alone<F: Footprint, const RHO: usize>(
         &mut self,
-        open: &Open,
+        first_child: u32,
+        mask: [u32; 4],
         cell: &Cell,
         level: usize,
         group: &Group,
@@ -369,8 +370,8 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             },
             place: cell.place,
             w: cell.centre.w,
-            first: self.first(level + 1) + open.first_child,
-            mask: open.mask,
+            first: self.first(level + 1) + first_child,
+            mask,
         };
         let eye = self.eye_slab(children, cell.place, RHO as i32);
         let inside = self.is_inside(&cell.bounds, group.steps.half, self.view.rows);
@@ -420,7 +421,8 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         let overhang = self.level(level + 1).overhang;
         let inside = self.is_inside(bounds, group.steps.half, self.view.rows);
         let stencil = group.stencil::<F, RHO>(inside);
-        for &subcell in open.list.iter().take(usize::from(open.count)) {
+        for &listed in open.list.iter().take(usize::from(open.count)) {
+            let subcell = listed.subcell();
             let Some(d) = displacements.get(usize::from(subcell)) else {
                 continue;
             };
@@ -435,14 +437,14 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             };
             let Some(rect) = self.clip(F::reach(bounds, overhang)) else {
                 if S::MEETS {
-                    self.meet_below(open, level, subcell);
+                    self.meet_below(open, level, listed);
                 }
                 continue;
             };
             if !S::MEETS && self.is_behind(rect, centre, level + 1) {
                 continue;
             }
-            let node = open.first_child + order::rank(&open.mask, subcell);
+            let node = open.first_child + listed.rank();
             let [i, j, k] = order::place(nodes.rho, subcell);
             let place = [ox + i, oy + j, oz + k];
             let eye = self.eye_slab(grandchildren, place, RHO as i32);
@@ -481,7 +483,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             for (j, row) in order.rows(plane) {
                 let from = from.plus(slabs.along::<1>(j));
                 let subcells = RHO as u32 * (j + RHO as u32 * k);
-                for i in order.cells(row) {
+                for (i, _) in order.cells(row) {
                     let at = from.plus(slabs.along::<0>(i));
                     let subcell = (subcells + i) as u8;
                     let word = || grid.attribute(parent.first + order::rank(&parent.mask, subcell));
@@ -560,8 +562,9 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         &self,
         parent: &Open,
         level: usize,
-        subcell: u8,
+        listed: Listed,
     ) -> Option<(Cell, Rect)> {
+        let subcell = listed.subcell();
         let displacements = self.view.displacements(self.level(level));
         let centre = parent
             .centre
@@ -576,11 +579,10 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         let overhang = self.level(level + 1).overhang;
         let reach = self.clip(F::reach(bounds, overhang))?;
         let rho = self.grid.levels().get(level)?.rho;
-        let rank = order::rank(&parent.mask, subcell);
         let [i, j, k] = order::place(rho, subcell);
         let [px, py, pz] = parent.place.map(|p| p * i32::from(rho));
         let cell = Cell {
-            node: parent.first_child + rank,
+            node: parent.first_child + listed.rank(),
             centre,
             place: [px + i, py + j, pz + k],
             bounds,

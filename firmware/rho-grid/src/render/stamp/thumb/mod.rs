@@ -8,8 +8,10 @@
 //! # Safety
 //!
 //! The assembly reads and writes memory through the pointers of [`Block`] and its own stack, and
-//! nothing else; the parts of [`Block`] that may not be set only in loops for which [`stamp`] sets them. Each
-//! access lies within what the pointer was made from:
+//! nothing else; edges and depths only in loops for which [`stamp`] sets them. Each
+//! access lies within what the pointer was made from. What is the same for all blocks of a level is set once
+//! ([`Loops`]), from what the walk borrows while it lasts; a level is known by where its masks are. The rest is set
+//! for each block.
 //!
 //! * *order*: `count` entries, at least one, made by [`Parents`].
 //! * *displacements*: an entry's subcell comes from a mask, which names subcells of the block's
@@ -53,7 +55,7 @@ use core::mem::MaybeUninit;
 use super::edge::{Edges, Within};
 use super::lists::{FIRST, LISTS, Lists};
 use super::mask::{Direction, HALF_PLANES};
-use super::{Circle, FAR_AWAY, MAX_PARENTS, Parents, Stamps, classes};
+use super::{Circle, Classes, FAR_AWAY, MAX_PARENTS, Parents, Stamps, classes};
 use crate::blob::facing::{TWO_SIDED, WIDTH_BITS};
 use crate::blob::format::MAX_MATERIALS;
 use crate::normal::COUNT;
@@ -106,8 +108,8 @@ struct Block {
     lists: *const Lists,
     /// 144: bits, place and words of each plane.
     planes: MaybeUninit<[u32; 9]>,
-    /// 180: where shadows are looked up; set if there are any.
-    light: MaybeUninit<InLight>,
+    /// 180: where shadows are looked up, if there are any.
+    light: InLight,
     /// 212: the first byte of a band, from which `corner` counts there.
     band: *mut u8,
     /// 216: how many windows begin in it.
@@ -122,8 +124,8 @@ struct Block {
     cut: MaybeUninit<Cut>,
     /// 244: set if there are depths.
     deep: MaybeUninit<Deep>,
-    /// 312: set if there are shadows.
-    texels: MaybeUninit<Texels>,
+    /// 312.
+    texels: Texels,
 }
 
 /// The frame's edges.
@@ -185,6 +187,29 @@ struct InLight {
     cells: *const u32,
 }
 
+impl Texels {
+    /// No shadows.
+    const NONE: Self = Self {
+        unlit: core::ptr::null(),
+        rows_of_unlit: 0,
+        texel: [0; 4],
+    };
+}
+
+impl InLight {
+    /// No shadows.
+    const NONE: Self = Self {
+        unlit: 0,
+        moved: core::ptr::null(),
+        parent: 0,
+        plane: core::ptr::null(),
+        map: core::ptr::null(),
+        at: 0,
+        parents: core::ptr::null(),
+        cells: core::ptr::null(),
+    };
+}
+
 /// Goes through a block, whose windows have so many rows.
 type Loop = unsafe extern "C" fn(*mut Block, rows: u32);
 
@@ -214,15 +239,163 @@ unsafe extern "C" {
     fn rho_grid_stamp_deep_both_cut(block: *mut Block, rows: u32);
 }
 
-/// Stamps all subcells of a block's parents.
+/// The loops for the blocks of a level, and what they read that is the same for all of these.
+pub(super) struct Loops {
+    /// Within the frame, and at its edges; none where blocks are drawn by other means.
+    loops: Option<[Loop; 2]>,
+    /// For the level whose masks it points to.
+    block: Block,
+}
+
+impl Loops {
+    /// For no level.
+    pub(super) const NONE: Self = Self {
+        loops: None,
+        block: Block {
+            offsets: [0; 8],
+            cells: [0; 9],
+            sight: 0,
+            breadth: 0,
+            directions: core::ptr::null(),
+            circle: core::ptr::null(),
+            tones: core::ptr::null(),
+            spread: SPREAD.as_ptr(),
+            classes: core::ptr::null(),
+            half_planes: HALF_PLANES.as_ptr(),
+            corner: core::ptr::null_mut(),
+            list: core::ptr::null(),
+            along_z: 0,
+            origin: 0,
+            k: 0,
+            centre: Homogeneous::ZERO,
+            displacements: core::ptr::null(),
+            masks: core::ptr::null(),
+            bases: core::ptr::null(),
+            firsts: core::ptr::null(),
+            words: core::ptr::null(),
+            node: 0,
+            order: core::ptr::null(),
+            end: core::ptr::null(),
+            lists: LISTS.as_ptr(),
+            planes: MaybeUninit::uninit(),
+            light: InLight::NONE,
+            band: core::ptr::null_mut(),
+            windows: 0,
+            cones: core::ptr::null(),
+            step: 0,
+            width: TWO_SIDED,
+            cut: MaybeUninit::uninit(),
+            deep: MaybeUninit::uninit(),
+            texels: Texels::NONE,
+        },
+    };
+
+    /// Turns to the level of these parents, into a band or not, against depths or not.
+    #[inline(never)]
+    fn turn_to<const BOTH: bool, S: Shade>(
+        &mut self,
+        classes: &Classes,
+        backs: bool,
+        parents: &Parents<'_, '_, u16>,
+        shading: &S,
+        (is_band, is_deep): (bool, bool),
+    ) {
+        let block = &mut self.block;
+        block.masks = parents.level.masks.as_ptr();
+        self.loops = None;
+        let Some(tones) = shading.tones(BOTH) else {
+            return;
+        };
+        // A word without the bits below those that are looked up.
+        let looked_up = if BOTH { 2 * COUNT } else { COUNT };
+        let shadows = shading.look_up();
+        // Of bands, only what is drawn most.
+        if tones.len() < looked_up
+            || parents.displacements.len() < parents.subcells
+            || (is_band && (BOTH || shadows.is_some()))
+        {
+            return;
+        }
+        let bits = shadows.map_or(0, |shadows| shadows.bits.min(8));
+        let side = 1u32 << bits;
+        let mut is_dim = false;
+        match (shadows, &parents.light) {
+            (None, None) => (),
+            // Maps of the three sizes.
+            (Some(shadows), Some(light))
+                if (6..=8).contains(&shadows.bits)
+                    && light.parents.len() >= parents.subcells
+                    && shadows.map.len() >> bits >> bits > 0 =>
+            {
+                let (table, rows_of_unlit) = shadows.unlit;
+                let [[first, ..], ..] = table;
+                is_dim = rows_of_unlit > 0;
+                block.texels = Texels {
+                    unlit: table.as_ptr().cast(),
+                    rows_of_unlit,
+                    texel: [11 - bits, side - 1, 22 - 2 * bits, (side - 1) << bits],
+                };
+                block.light = InLight {
+                    unlit: u32::from(*first),
+                    moved: shadows.moved.as_ptr().cast(),
+                    parent: 0,
+                    plane: core::ptr::null(),
+                    map: shadows.map.as_ptr(),
+                    at: light.at,
+                    parents: light.parents.as_ptr(),
+                    cells: light.cells.as_ptr().wrapping_sub(FIRST as usize),
+                };
+            }
+            _ => return,
+        }
+        block.tones = tones.as_ptr();
+        block.classes = classes.0.as_ptr();
+        block.k = parents.k;
+        block.displacements = parents.displacements.as_ptr();
+        block.bases = parents.level.bases.as_ptr();
+        block.firsts = parents.level.offsets.as_ptr();
+        block.words = parents.words.as_ptr();
+        block.cones = match parents.level.cones {
+            cones if backs || cones.is_empty() => core::ptr::null(),
+            cones => cones.as_ptr(),
+        };
+        block.width = TWO_SIDED;
+        self.loops = Some(match (is_band, BOTH, is_deep, shadows.is_some()) {
+            (true, ..) => [rho_grid_stamp_band, rho_grid_stamp_band_cut],
+            (_, true, true, true) => [
+                rho_grid_stamp_shaded_deep_both,
+                rho_grid_stamp_shaded_deep_both_cut,
+            ],
+            (_, false, true, true) => [rho_grid_stamp_shaded_deep, rho_grid_stamp_shaded_deep_cut],
+            (_, true, true, false) => [rho_grid_stamp_deep_both, rho_grid_stamp_deep_both_cut],
+            (_, false, true, false) => [rho_grid_stamp_deep, rho_grid_stamp_deep_cut],
+            (_, true, false, true) => [rho_grid_stamp_shaded_both, rho_grid_stamp_shaded_both_cut],
+            (_, true, false, false) => [rho_grid_stamp_both, rho_grid_stamp_both_cut],
+            (_, false, false, false) => [rho_grid_stamp, rho_grid_stamp_cut],
+            (_, false, false, true) => [
+                match (bits, is_dim) {
+                    (6, false) => rho_grid_stamp_64,
+                    (7, false) => rho_grid_stamp_128,
+                    (_, false) => rho_grid_stamp_256,
+                    (6, true) => rho_grid_stamp_64_dim,
+                    (7, true) => rho_grid_stamp_128_dim,
+                    (_, true) => rho_grid_stamp_256_dim,
+                },
+                rho_grid_stamp_shaded_cut,
+            ],
+        });
+    }
+}
+
+/// Stamps all subcells of a block's parents, if there is a loop for them.
 #[inline(always)]
 pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
-    stamps: &Stamps<'_>,
+    stamps: &mut Stamps<'_>,
     parents: &Parents<'_, '_, u16>,
     target: &mut V,
     shading: &S,
 ) -> bool {
-    let (Some(bytes), Some(tones)) = (target.bytes(), shading.tones(BOTH)) else {
+    let Some(bytes) = target.bytes() else {
         return false;
     };
     let Bytes {
@@ -230,114 +403,65 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         band,
         depths,
     } = bytes;
-    // A word without the bits below those that are looked up.
-    let looked_up = if BOTH { 2 * COUNT } else { COUNT };
-    if tones.len() < looked_up {
-        return false;
+    if stamps.loops.block.masks != parents.level.masks.as_ptr() {
+        let kind = (band.is_some(), depths.is_some());
+        let (classes, backs) = (stamps.classes, stamps.backs);
+        (stamps.loops).turn_to::<BOTH, S>(classes, backs, parents, shading, kind);
     }
-    let shadows = shading.look_up();
+    let Some([within, cut]) = stamps.loops.loops else {
+        return false;
+    };
     let mut edges = stamps.edges;
-    let is_deep = depths.is_some();
-    // Of bands, only what is drawn most.
-    if band.is_some() && (BOTH || shadows.is_some()) {
-        return false;
-    }
-    let bits = shadows.map_or(0, |shadows| shadows.bits.min(8));
-    let side = 1u32 << bits;
-    let (texels, unlit_of_all, rows_of_unlit) = match shadows {
-        None => (MaybeUninit::uninit(), 0, 0),
-        Some(shadows) => {
-            let (table, rows_of_unlit) = shadows.unlit;
-            let [[first, ..], ..] = table;
-            let texels = Texels {
-                unlit: table.as_ptr().cast(),
-                rows_of_unlit,
-                texel: [11 - bits, side - 1, 22 - 2 * bits, (side - 1) << bits],
-            };
-            (MaybeUninit::new(texels), u32::from(*first), rows_of_unlit)
-        }
-    };
-    let light = match (shadows, &parents.light) {
-        (None, None) => MaybeUninit::uninit(),
-        // Maps of the three sizes.
-        (Some(shadows), Some(light))
-            if (6..=8).contains(&shadows.bits)
-                && light.parents.len() >= parents.subcells
-                && shadows.map.len() >> bits >> bits > 0 =>
-        {
-            MaybeUninit::new(InLight {
-                unlit: unlit_of_all,
-                moved: shadows.moved.as_ptr().cast(),
-                parent: 0,
-                plane: core::ptr::null(),
-                map: shadows.map.as_ptr(),
-                at: light.at,
-                parents: light.parents.as_ptr(),
-                cells: light.cells.as_ptr().wrapping_sub(FIRST as usize),
-            })
-        }
-        _ => return false,
-    };
     let (x, y) = stamps.corner;
+    let (width, height) = stamps.size;
+    if let Some(Depths { words, factor }) = depths {
+        // A depth a pixel of rows as wide as those of the frame, so views are no wider.
+        let farthest = i64::from(parents.centre.w)
+            + 8 * stamps
+                .depths
+                .map(i64::from)
+                .map(i64::abs)
+                .iter()
+                .sum::<i64>();
+        let depth = (farthest.unsigned_abs() * u64::from(factor)) >> 32;
+        let holds = width as usize <= STRIDE && STRIDE * height as usize <= words.len();
+        if depth >= 0xFFFE || !holds {
+            return false;
+        }
+        let fits = |corner: i32, side: i32| (0..side - 66).contains(&corner);
+        if edges.is_none() && !(fits(x, width) && fits(y, height)) {
+            edges = Edges::new(stamps.corner, stamps.size);
+            if edges.is_none() {
+                return true;
+            }
+        }
+        let first = pixels.as_ptr().addr().wrapping_add(margin(STRIDE));
+        stamps.loops.block.deep = MaybeUninit::new(Deep {
+            depths: stamps.depths_of_plane(),
+            deep_z: stamps.depths[2],
+            parent_w: 0,
+            plane_w: 0,
+            factor,
+            words: words.as_mut_ptr().wrapping_byte_sub(first.wrapping_mul(2)),
+            here: 0,
+            nearer: stamps.depths.iter().map(|step| step.abs()).sum(),
+            around: stamps.around(),
+        });
+    }
     let stride = if band.is_some() { 2 * STRIDE } else { STRIDE };
     let corner = margin(stride) as i32 + (y - band.unwrap_or(0)) * stride as i32 + x;
     // 63 pixels on, and the window's three.
     let last = corner + 66 * (STRIDE as i32 + 1);
-    let deep = match depths {
-        None => MaybeUninit::uninit(),
-        Some(Depths { words, factor }) => {
-            // A depth a pixel of rows as wide as those of the frame, so views are no wider.
-            let (width, height) = stamps.size;
-            let farthest = i64::from(parents.centre.w)
-                + 8 * stamps
-                    .depths
-                    .map(i64::from)
-                    .map(i64::abs)
-                    .iter()
-                    .sum::<i64>();
-            let depth = (farthest.unsigned_abs() * u64::from(factor)) >> 32;
-            let holds = width as usize <= STRIDE && STRIDE * height as usize <= words.len();
-            if depth >= 0xFFFE || !holds {
-                return false;
-            }
-            let fits = |corner: i32, side: i32| (0..side - 66).contains(&corner);
-            if edges.is_none() && !(fits(x, width) && fits(y, height)) {
-                edges = Edges::new(stamps.corner, stamps.size);
-                if edges.is_none() {
-                    return true;
-                }
-            }
-            let first = pixels.as_ptr().addr().wrapping_add(margin(STRIDE));
-            MaybeUninit::new(Deep {
-                depths: stamps.depths_of_plane(),
-                deep_z: stamps.depths[2],
-                parent_w: 0,
-                plane_w: 0,
-                factor,
-                words: words.as_mut_ptr().wrapping_byte_sub(first.wrapping_mul(2)),
-                here: 0,
-                nearer: stamps.depths.iter().map(|step| step.abs()).sum(),
-                around: stamps.around(),
-            })
-        }
-    };
-    // A window is as long as the margin.
-    let windows = (pixels.len() + 1).saturating_sub(margin(stride)) as u32;
     let is_inside = match edges {
         _ if band.is_some() => true,
         None => corner >= 0 && (last as usize) < pixels.len(),
         Some(_) => {
-            let (width, height) = stamps.size;
             let rows = pixels.len().saturating_sub(2 * margin(STRIDE)) / STRIDE;
             width as usize <= STRIDE && height as usize <= rows
         }
     };
     let order = parents.order.get(..parents.count).unwrap_or_default();
-    if !is_inside
-        || stamps.breadth >= 1 << 8
-        || order.is_empty()
-        || parents.displacements.len() < parents.subcells
-    {
+    if !is_inside || stamps.breadth >= 1 << 8 || order.is_empty() {
         return true;
     }
     let (rows, circle): (i32, *const u8) = match stamps.circle {
@@ -345,90 +469,47 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         Circle::Three(circle) => (3, circle.as_ptr().cast()),
         Circle::Four(circle) => (4, circle.as_ptr().cast()),
     };
-    let directions = stamps.circle.directions();
     let (x, y) = stamps.origin(rows);
     let order = order.as_ptr_range();
-    let mut block = Block {
-        offsets: stamps.offsets,
-        cells: stamps.cells,
-        sight: stamps.sight.tangents,
-        breadth: stamps.breadth,
-        directions: directions.as_ptr(),
-        circle,
-        tones: tones.as_ptr(),
-        spread: SPREAD.as_ptr(),
-        classes: stamps.classes.0.as_ptr(),
-        half_planes: HALF_PLANES.as_ptr(),
-        // Of a frame it may lie before the first pixel, where windows that begin there are left.
-        corner: match band {
-            None => pixels.as_mut_ptr().wrapping_add(corner as usize),
-            Some(_) => core::ptr::without_provenance_mut(corner as usize),
-        },
-        list: core::ptr::null(),
-        along_z: stamps.along_z,
-        origin: 0u32.wrapping_sub(x as u32).wrapping_sub((y as u32) << 16),
-        k: parents.k,
-        centre: parents.centre,
-        displacements: parents.displacements.as_ptr(),
-        masks: parents.level.masks.as_ptr(),
-        bases: parents.level.bases.as_ptr(),
-        firsts: parents.level.offsets.as_ptr(),
-        words: parents.words.as_ptr(),
-        node: parents.first,
-        order: order.start,
-        end: order.end,
-        lists: LISTS.as_ptr(),
-        planes: MaybeUninit::uninit(),
-        light,
-        band: pixels.as_mut_ptr(),
-        windows,
-        cones: match parents.level.cones {
-            cones if stamps.backs || cones.is_empty() => core::ptr::null(),
-            cones => cones.as_ptr(),
-        },
-        step: stamps.sight.step,
-        width: TWO_SIDED,
-        cut: match edges {
-            None => MaybeUninit::uninit(),
-            Some(edges) => MaybeUninit::new(Cut {
+    let block = &mut stamps.loops.block;
+    block.offsets = stamps.offsets;
+    block.cells = stamps.cells;
+    block.sight = stamps.sight.tangents;
+    block.step = stamps.sight.step;
+    block.breadth = stamps.breadth;
+    block.directions = stamps.circle.directions().as_ptr();
+    block.circle = circle;
+    // Of a frame it may lie before the first pixel, where windows that begin there are left.
+    block.corner = match band {
+        None => pixels.as_mut_ptr().wrapping_add(corner as usize),
+        Some(_) => core::ptr::without_provenance_mut(corner as usize),
+    };
+    block.band = pixels.as_mut_ptr();
+    // A window is as long as the margin.
+    block.windows = (pixels.len() + 1).saturating_sub(margin(stride)) as u32;
+    block.along_z = stamps.along_z;
+    block.origin = 0u32.wrapping_sub(x as u32).wrapping_sub((y as u32) << 16);
+    block.centre = parents.centre;
+    block.node = parents.first;
+    block.order = order.start;
+    block.end = order.end;
+    if let Some(light) = &parents.light {
+        block.light.at = light.at;
+    }
+    let chosen = match edges {
+        None => within,
+        Some(edges) => {
+            block.cut = MaybeUninit::new(Cut {
                 columns: edges.columns.as_ptr(),
                 rows: edges.rows.as_ptr(),
                 within: 0,
-            }),
-        },
-        deep,
-        texels,
+            });
+            cut
+        }
     };
-    let is_shaded = shadows.is_some();
-    let stamp_all: Loop = match (BOTH, edges.is_some()) {
-        (_, true) if band.is_some() => rho_grid_stamp_band_cut,
-        (_, false) if band.is_some() => rho_grid_stamp_band,
-        (true, true) if is_shaded && is_deep => rho_grid_stamp_shaded_deep_both_cut,
-        (true, false) if is_shaded && is_deep => rho_grid_stamp_shaded_deep_both,
-        (false, true) if is_shaded && is_deep => rho_grid_stamp_shaded_deep_cut,
-        (false, false) if is_shaded && is_deep => rho_grid_stamp_shaded_deep,
-        (true, true) if is_shaded => rho_grid_stamp_shaded_both_cut,
-        (true, false) if is_shaded => rho_grid_stamp_shaded_both,
-        (false, true) if is_shaded => rho_grid_stamp_shaded_cut,
-        (true, true) if is_deep => rho_grid_stamp_deep_both_cut,
-        (true, false) if is_deep => rho_grid_stamp_deep_both,
-        (false, true) if is_deep => rho_grid_stamp_deep_cut,
-        (false, false) if is_deep => rho_grid_stamp_deep,
-        (true, true) => rho_grid_stamp_both_cut,
-        (true, false) => rho_grid_stamp_both,
-        (false, true) => rho_grid_stamp_cut,
-        (false, false) => match (bits, rows_of_unlit > 0) {
-            (0, _) => rho_grid_stamp,
-            (6, false) => rho_grid_stamp_64,
-            (7, false) => rho_grid_stamp_128,
-            (_, false) => rho_grid_stamp_256,
-            (6, true) => rho_grid_stamp_64_dim,
-            (7, true) => rho_grid_stamp_128_dim,
-            (_, true) => rho_grid_stamp_256_dim,
-        },
-    };
-    // SAFETY: the module's argument; all that is pointed to is borrowed here.
-    unsafe { stamp_all(&raw mut block, rows as u32) };
+    // SAFETY: the module's argument; all that is pointed to is borrowed here, or by the walk to which the stamps
+    // belong.
+    unsafe { chosen(&raw mut *block, rows as u32) };
     true
 }
 
