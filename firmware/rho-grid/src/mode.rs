@@ -154,7 +154,7 @@ impl Preset {
             Self::Fast => 62,
             Self::Balanced => 73,
             Self::Fine => 92,
-            Self::Finest => 140,
+            Self::Finest => 150,
         }
     }
 
@@ -394,7 +394,7 @@ mod tests {
         assert_eq!(cells(Preset::Fast), [81, 41]);
         assert_eq!(cells(Preset::Balanced), [95, 48]);
         assert_eq!(cells(Preset::Fine), [120, 60]);
-        assert_eq!(cells(Preset::Finest), [182, 91]);
+        assert_eq!(cells(Preset::Finest), [195, 98]);
         // At and in the cube, and at any zoom, there is an answer.
         assert_eq!(
             Preset::Fine.cells(&camera(0.0)),

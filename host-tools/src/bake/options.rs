@@ -41,13 +41,14 @@ impl Default for BakeOptions {
     }
 }
 
-/// The grids of [`BakeOptions::standard`]: 48, 60, 81, 108 and 162 cells an axis, for the presets.
-const STANDARD: [&[u8]; 5] = [
+/// The grids of [`BakeOptions::standard`]: 48, 60, 81, 96, 108 and 144 cells an axis, for the presets.
+const STANDARD: [&[u8]; 6] = [
     &[4, 4, 3],
     &[4, 5, 3],
     &[3, 3, 3, 3],
+    &[4, 2, 4, 3],
     &[2, 3, 2, 3, 3],
-    &[2, 3, 3, 3, 3],
+    &[4, 4, 3, 3],
 ];
 
 impl BakeOptions {

@@ -141,18 +141,22 @@ impl Blend {
         Addend::mean([at(upper), at(upper >> 8), at(lower), at(lower >> 8)])
     }
 
-    /// Two pixels of which some quarters are open.
+    /// Two pixels of which some quarters are open. In a gap they have the first tone of their own, or of the other's.
     #[inline(never)]
     fn pair_in_part(&self, [a, b]: [u32; 2], is_gap: impl Fn(i32) -> bool) -> [u16; 2] {
-        [0, 1].map(|right| {
+        let tones = |right: u32| {
             let (upper, lower) = (a >> (16 * right), b >> (16 * right));
-            let tones = [upper, upper >> 8, lower, lower >> 8].map(|tone| tone & 255);
-            let covered = tones.into_iter().find(|tone| tone & 1 == 1);
-            let open = match covered {
-                Some(tone) if tones.iter().any(|tone| tone & 1 == 0) && is_gap(right) => tone,
+            [upper, upper >> 8, lower, lower >> 8].map(|tone| tone & 255)
+        };
+        let first = |tones: [u32; 4]| tones.into_iter().find(|tone| tone & 1 == 1);
+        [0, 1].map(|right| {
+            let own = tones(right);
+            let is_open = own.iter().any(|tone| tone & 1 == 0);
+            let open = match first(own).or_else(|| first(tones(1 - right))) {
+                Some(tone) if is_open && is_gap(right as i32) => tone,
                 _ => 0,
             };
-            Addend::mean(tones.map(|tone| self.of(if tone & 1 == 1 { tone } else { open })))
+            Addend::mean(own.map(|tone| self.of(if tone & 1 == 1 { tone } else { open })))
         })
     }
 

@@ -176,9 +176,9 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
         self.pixels.get(at..at + STRIDE)
     }
 
-    /// Of quarters: how many of those of pixel (x, y), from the first one here, are covered. All are
-    /// where some are, and half of each neighbour's: a gap between discs. Beyond the frame and the band
-    /// nothing says that it is none.
+    /// Of quarters: how many of those of pixel (x, y), from the first one here, are covered. All are in a gap
+    /// between discs: where some are, some of each neighbour's and 11 of 16 of these together; or where 12 of 16 and
+    /// 27 of 32 of all eight round it are. Beyond the frame and the band nothing says that it is none.
     #[must_use]
     pub fn quarters(&self, x: i32, y: i32) -> u32 {
         let count = |x: i32, y: i32| {
@@ -196,12 +196,18 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
             covered(upper) + covered(lower)
         };
         let own = count(x, y);
-        let beside = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
-        if own > 0 && beside.iter().all(|(x, y)| count(*x, *y) >= 2) {
-            4
+        let beside = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)].map(|(x, y)| count(x, y));
+        let sum = beside.iter().sum::<u32>();
+        let is_gap = if own > 0 && sum >= 11 && beside.iter().all(|covered| *covered > 0) {
+            true
+        } else if sum >= 12 {
+            let corners =
+                [(-1, -1), (1, -1), (-1, 1), (1, 1)].map(|(dx, dy)| count(x + dx, y + dy));
+            sum + corners.iter().sum::<u32>() >= 27
         } else {
-            own
-        }
+            false
+        };
+        if is_gap { 4 } else { own }
     }
 
     /// Covers what is open of `count` pixels from `at` on.
@@ -606,9 +612,22 @@ mod tests {
         assert_eq!(
             tones.quarters(2, 1),
             4,
-            "a quarter of itself, half of its neighbours"
+            "a quarter of itself, most of its neighbours"
         );
-        assert_eq!(tones.quarters(1, 1), 3, "a quarter of one neighbour only");
+        assert_eq!(tones.quarters(1, 1), 4, "a quarter of one of them");
+        let two = [(4, 2), (5, 2), (4, 3), (5, 3), (6, 2), (6, 3), (7, 2)];
+        let mut buffer = [0; tone_words(12, 6)];
+        let tones = all_but(&mut buffer, &two);
+        assert_eq!(
+            tones.quarters(2, 1),
+            4,
+            "nothing of itself, all but one pixel round it"
+        );
+        let mut buffer = [0; tone_words(12, 6)];
+        let notch: std::vec::Vec<(u32, u32)> = (4..12).flat_map(|x| [(x, 2), (x, 3)]).collect();
+        let tones = all_but(&mut buffer, &notch);
+        assert_eq!(tones.quarters(2, 1), 4, "the end of a cut");
+        assert_eq!(tones.quarters(3, 1), 0, "a cut");
         let beyond: std::vec::Vec<(u32, u32)> =
             (4..12).flat_map(|x| (0..6).map(move |y| (x, y))).collect();
         let mut buffer = [0; tone_words(12, 6)];

@@ -7,8 +7,8 @@
 use super::REACH;
 use super::entry;
 
-/// Where windows of a block may begin, of each axis: so many pixels from its corner on.
-const PLACES: usize = 2 * REACH as usize;
+/// Where windows of a block may begin, of each axis: so many pixels from its corner on, and its tiles four more.
+const PLACES: usize = 2 * REACH as usize + 4;
 
 /// Of a window's 16 pixels, those that lie in the frame along one axis.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +73,7 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// Of a frame of this size, each at least 64, for windows that count from this pixel; `None` when
+    /// Of a frame of this size, each at least 72, for windows that count from this pixel; `None` when
     /// no window shows.
     pub(super) fn new(corner: (i32, i32), size: (i32, i32)) -> Option<Self> {
         let along = |corner: i32, side: i32| {
@@ -107,8 +107,8 @@ mod tests {
     proptest! {
         #[test]
         fn a_window_keeps_the_pixels_that_lie_in_the_frame(
-            width in 64..500i32, height in 64..500i32,
-            corner in (-64..500i32, -64..500i32), place in (0..64u32, 0..64u32)
+            width in 72..500i32, height in 72..500i32,
+            corner in (-64..500i32, -64..500i32), place in (0..68u32, 0..68u32)
         ) {
             prop_assume!(corner.0 < width && corner.1 < height);
             let edges = Edges::new(corner, (width, height)).unwrap();

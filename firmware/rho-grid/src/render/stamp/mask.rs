@@ -1,4 +1,4 @@
-//! Which of 4 x 4 pixels a small disc holds, from tables.
+//! Which pixels a small disc holds, 4 x 4 or four times as many, from tables.
 //!
 //! A disc in space is an ellipse on the screen: as long as the disc is wide, and as broad as that
 //! times the cosine `c` between its normal and the line of sight. Here it is the circle of its radius
@@ -6,10 +6,11 @@
 //! That is exact seen from the front and from the edge, where silhouettes are decided, and a little
 //! too full at the ellipse's ends between; in return no multiplication depends on the pixel.
 //!
-//! A mask has a bit a pixel: bit `4 y + x` for column x of row y.
+//! A mask has a bit a pixel: bit `4 y + x` for column x of row y. A larger disc has a mask for each of four tiles, two
+//! beside and below each other.
 //!
 //! ```text
-//! window   ROWS pixels high and wide (2, 3, 4), the disc's centre within half a pixel of its middle
+//! window   ROWS pixels high and wide (2, 3, 4, 8), the disc's centre within half a pixel of its middle
 //! strip    HALF_PLANES[direction][t + h] and not HALF_PLANES[direction][t - h - 1]
 //! circle   CIRCLES[level][place of the centre within a pixel]
 //! ```
@@ -40,9 +41,9 @@ const AXES: [(i32, i32); DIRECTIONS] = [
 ];
 
 /// Places of a line, sixteenths of a pixel, of each direction.
-const PLACES: usize = 256;
+const PLACES: usize = 288;
 /// The line of place `ORIGIN` passes the first pixel's centre.
-const ORIGIN: i32 = 112;
+const ORIGIN: i32 = 128;
 
 /// `[direction * PLACES + place]`: the pixels on one side of a line, those on it included.
 #[allow(
@@ -108,13 +109,57 @@ pub(super) static WINDOWS: [[Direction; DIRECTIONS]; 3] = {
     windows
 };
 
+/// A direction, ready to find a large disc's strip in each of its tiles.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(super) struct Wide {
+    /// In the first tile.
+    first: Direction,
+    /// What the place of each tile's own origin is less.
+    pub(super) shifts: [i16; TILES],
+}
+
+/// Tiles of a large disc.
+pub(super) const TILES: usize = 4;
+
+/// `[direction]`, of windows of 8 x 8 pixels.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+pub(super) static WIDE: [Wide; DIRECTIONS] = {
+    let none = Wide {
+        first: Direction { across: 0, base: 0 },
+        shifts: [0; TILES],
+    };
+    let mut wide = [none; DIRECTIONS];
+    let mut d = 0;
+    while d < DIRECTIONS {
+        let (ax, ay) = AXES[d];
+        let base = d as i32 * PLACES as i32 + ORIGIN + (ax + ay) * 3;
+        wide[d] = Wide {
+            first: Direction {
+                across: (ay as u32).wrapping_add((ax as u32) << 16),
+                base: base as u32,
+            },
+            shifts: [0, 4 * ax as i16, 4 * ay as i16, 4 * (ax + ay) as i16],
+        };
+        d += 1;
+    }
+    wide
+};
+
 /// Radii for which there are circles.
-const LEVELS: usize = 52;
+const LEVELS: usize = 66;
 /// The least radius, 256 to the pixel; each level is a 27th larger than the one before.
 const LEAST: u32 = 84;
-/// The first level whose circle may hold three pixels a row, and the first with four.
+/// The first level whose circle may hold three pixels a row, the first with four, and the first with eight: half a
+/// pixel may be cut from the largest of four.
 const THREES: usize = level_above(256);
 const FOURS: usize = level_above(384);
+const EIGHTS: usize = level_above(650);
+/// The largest radius of a disc with one tile.
+pub(super) const LARGEST_OF_FOUR: u32 = radius(EIGHTS - 1);
 /// The largest radius that has a mask, 256 to the pixel.
 pub(super) const LARGEST: u32 = radius(LEVELS - 1);
 
@@ -143,8 +188,9 @@ const fn is_within(radius: u32, centre: (i32, i32), pixel: (i32, i32)) -> bool {
     dx * dx + dy * dy <= (4 * radius * radius) as i32
 }
 
-/// The circle's mask when its centre is at `place` of `parts` x `parts` within a pixel.
-const fn circle(level: usize, rows: i32, parts: i32, place: i32) -> u16 {
+/// The mask of a circle in a window with so many rows, when its centre is at `place` of `parts` x `parts` within a
+/// pixel: of the 4 x 4 pixels that begin at `first`.
+const fn circle(radius: u32, rows: i32, parts: i32, place: i32, first: (i32, i32)) -> u16 {
     let step = 512 / parts;
     let centre = (
         (rows - 2) * 256 + place % parts * step + step / 2,
@@ -153,8 +199,8 @@ const fn circle(level: usize, rows: i32, parts: i32, place: i32) -> u16 {
     let mut mask = 0;
     let mut bit = 0;
     while bit < 16 {
-        let pixel = (bit % 4, bit / 4);
-        if pixel.0 < rows && pixel.1 < rows && is_within(radius(level), centre, pixel) {
+        let pixel = (first.0 + bit % 4, first.1 + bit / 4);
+        if pixel.0 < rows && pixel.1 < rows && is_within(radius, centre, pixel) {
             mask |= 1 << bit;
         }
         bit += 1;
@@ -171,9 +217,10 @@ static SMALL: [[u8; 256]; THREES] = {
     let mut masks = [[0; 256]; THREES];
     let mut level = 0;
     while level < THREES {
+        let radius = radius(level);
         let mut place = 0;
         while place < 256 {
-            masks[level][place] = circle(level, 2, 16, place as i32) as u8;
+            masks[level][place] = circle(radius, 2, 16, place as i32, (0, 0)) as u8;
             place += 1;
         }
         level += 1;
@@ -186,15 +233,41 @@ static SMALL: [[u8; 256]; THREES] = {
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, where an index out of range is an error"
 )]
-static LARGE: [[u16; 64]; LEVELS - THREES] = {
-    let mut masks = [[0; 64]; LEVELS - THREES];
+static LARGE: [[u16; 64]; EIGHTS - THREES] = {
+    let mut masks = [[0; 64]; EIGHTS - THREES];
     let mut level = THREES;
-    while level < LEVELS {
+    while level < EIGHTS {
         let rows = if level < FOURS { 3 } else { 4 };
+        let radius = radius(level);
         let mut place = 0;
         while place < 64 {
-            masks[level - THREES][place] = circle(level, rows, 8, place as i32);
+            masks[level - THREES][place] = circle(radius, rows, 8, place as i32, (0, 0));
             place += 1;
+        }
+        level += 1;
+    }
+    masks
+};
+
+/// The four tiles of the largest.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+static TILED: [[[u16; 64]; TILES]; LEVELS - EIGHTS] = {
+    let mut masks = [[[0; 64]; TILES]; LEVELS - EIGHTS];
+    let mut level = EIGHTS;
+    while level < LEVELS {
+        let radius = radius(level);
+        let mut tile = 0;
+        while tile < TILES {
+            let first = (tile as i32 % 2 * 4, tile as i32 / 2 * 4);
+            let mut place = 0;
+            while place < 64 {
+                masks[level - EIGHTS][tile][place] = circle(radius, 8, 8, place as i32, first);
+                place += 1;
+            }
+            tile += 1;
         }
         level += 1;
     }
@@ -208,10 +281,9 @@ static LARGE: [[u16; 64]; LEVELS - THREES] = {
 )]
 static LEVEL_OF: [u8; LARGEST as usize / 4 + 1] = {
     let mut levels = [0; LARGEST as usize / 4 + 1];
-    let mut i = 0;
+    let (mut i, mut level) = (0, 0);
     while i < levels.len() {
         let r = i as u32 * 4 + 2;
-        let mut level = 0;
         while level + 1 < LEVELS && (radius(level) + radius(level + 1)) / 2 < r {
             level += 1;
         }
@@ -230,6 +302,8 @@ pub(super) enum Circle {
     Three(&'static [u16; 64]),
     /// Four.
     Four(&'static [u16; 64]),
+    /// Eight, in four tiles.
+    Eight(&'static [[u16; 64]; TILES]),
 }
 
 impl Circle {
@@ -245,24 +319,48 @@ impl Circle {
             Self::Two(_) => 2,
             Self::Three(_) => 3,
             Self::Four(_) => 4,
+            Self::Eight(_) => 8,
         }
     }
 
-    /// Those of strips in its window.
+    /// Of how many masks it is.
+    #[inline(always)]
+    pub(super) fn tiles(self) -> u32 {
+        match self {
+            Self::Eight(_) => TILES as u32,
+            _ => 1,
+        }
+    }
+
+    /// Those of strips in its window, if that is one tile.
     #[inline(always)]
     pub(super) fn directions(self) -> &'static [Direction; DIRECTIONS] {
         let [two, three, four] = &WINDOWS;
         match self {
             Self::Two(_) => two,
             Self::Three(_) => three,
-            Self::Four(_) => four,
+            Self::Four(_) | Self::Eight(_) => four,
+        }
+    }
+
+    /// Where the strip of a tile is, in this direction.
+    #[inline(always)]
+    fn direction(self, tile: u32, direction: u32) -> Direction {
+        let Self::Eight(_) = self else {
+            return entry(self.directions(), direction);
+        };
+        let Wide { first, shifts } = entry(&WIDE, direction);
+        let shift = i32::from(entry(&shifts, tile)) as u32;
+        Direction {
+            base: first.base.wrapping_sub(shift),
+            ..first
         }
     }
 
     /// The mask at the centre `parts`: its part of a pixel beyond that, 1024 to the pixel, x in the
     /// lower half and y in the upper.
     #[inline(always)]
-    fn mask(self, parts: u32) -> u32 {
+    fn mask(self, tile: u32, parts: u32) -> u32 {
         match self {
             // Four bits of each.
             Self::Two(table) => {
@@ -274,39 +372,44 @@ impl Circle {
                 let place = parts >> 7 & 7 | (parts >> 23 & 7) << 3;
                 u32::from(entry(table, place))
             }
+            Self::Eight(tiles) => {
+                let place = parts >> 7 & 7 | (parts >> 23 & 7) << 3;
+                u32::from(entry(&entry(tiles, tile), place))
+            }
         }
     }
 
     /// For a radius of `r` (256 to the pixel); `None` when it is above [`LARGEST`].
     pub(super) fn of(r: u32) -> Option<Self> {
         let level = usize::from(*LEVEL_OF.get(r as usize / 4)?);
-        match level.checked_sub(THREES) {
-            None => SMALL.get(level).map(Self::Two),
-            Some(large) => {
-                let circle = LARGE.get(large)?;
-                Some(if level < FOURS {
-                    Self::Three(circle)
-                } else {
-                    Self::Four(circle)
-                })
-            }
+        if level < THREES {
+            return SMALL.get(level).map(Self::Two);
         }
+        if level >= EIGHTS {
+            return TILED.get(level - EIGHTS).map(Self::Eight);
+        }
+        let circle = LARGE.get(level - THREES)?;
+        Some(if level < FOURS {
+            Self::Three(circle)
+        } else {
+            Self::Four(circle)
+        })
     }
 }
 
-/// The mask of a disc: `parts` as [`Circle::mask`] has them, `direction` that of its normal on the
+/// The mask of a disc's tile: `parts` as [`Circle::mask`] has them, `direction` that of its normal on the
 /// screen, `half` the strip's half width in sixteenths of a pixel.
 #[inline(always)]
-pub(super) fn disc(circle: Circle, parts: u32, direction: u32, half: u32) -> u32 {
-    let direction = entry(circle.directions(), direction);
+pub(super) fn disc(circle: Circle, tile: u32, parts: u32, direction: u32, half: u32) -> u32 {
+    let direction = circle.direction(tile, direction);
     // x ax + y ay in the upper half: the lower one, x ay, is not negative and does not reach it.
     // Rounded to sixteenths.
     let along = parts.wrapping_mul(direction.across).wrapping_add(1 << 25) as i32 >> 26;
     let place = direction.base.wrapping_add(along as u32);
-    let beyond = |place: u32| u32::from(entry(&HALF_PLANES, place));
-    circle.mask(parts)
-        & beyond(place.wrapping_add(half))
-        & !beyond(place.wrapping_sub(half).wrapping_sub(1))
+    let beyond = |place: u32| HALF_PLANES.get(place as usize).copied().unwrap_or(0);
+    circle.mask(tile, parts)
+        & u32::from(beyond(place.wrapping_add(half)))
+        & !u32::from(beyond(place.wrapping_sub(half).wrapping_sub(1)))
 }
 
 /// The index of the direction nearest to (x, y) or its opposite; (0, 0) gives one too.
@@ -337,9 +440,15 @@ mod tests {
     extern crate std;
     use proptest::prelude::*;
 
-    fn round(r: u32, parts: u32, direction: u32, half: u32) -> (u32, usize) {
-        let circle = Circle::of(r).unwrap();
-        (disc(circle, parts, direction, half), circle.rows())
+    /// Whether a disc holds a pixel of its window.
+    fn holds(circle: Circle, parts: u32, direction: u32, half: u32, (x, y): (u32, u32)) -> bool {
+        let tile = if circle.tiles() > 1 {
+            x / 4 + y / 4 * 2
+        } else {
+            0
+        };
+        let mask = disc(circle, tile, parts, direction, half);
+        mask >> (x % 4 + y % 4 * 4) & 1 == 1
     }
 
     #[test]
@@ -361,18 +470,18 @@ mod tests {
         ) {
             let radius = f64::from(r) / 256.0;
             let half = part * radius;
-            let (mask, rows) = round(r, x | y << 16, d, (half * 16.0) as u32);
+            let circle = Circle::of(r).unwrap();
+            let rows = circle.rows() as u32;
             let angle = f64::from(d) / 16.0 * std::f64::consts::PI;
-            for bit in 0..16 {
-                let (px, py) = (bit % 4, bit / 4);
+            for (px, py) in (0..rows).flat_map(|y| (0..rows).map(move |x| (x, y))) {
                 // From the disc's centre to the pixel's.
-                let middle = (rows as f64 - 2.0) / 2.0;
+                let middle = (f64::from(rows) - 2.0) / 2.0;
                 let dx = f64::from(px) - middle - f64::from(x) / 1024.0;
                 let dy = f64::from(py) - middle - f64::from(y) / 1024.0;
                 let across = (dx * angle.cos() + dy * angle.sin()).abs();
                 let inside = half - across;
                 let inside = inside.min(radius - dx.hypot(dy));
-                let set = mask >> bit & 1 == 1;
+                let set = holds(circle, x | y << 16, d, (half * 16.0) as u32, (px, py));
                 // A part of a pixel, and a part of the size.
                 let near = 0.14 + 0.05 * radius;
                 prop_assert!(inside.abs() < near || set == (inside > 0.0),

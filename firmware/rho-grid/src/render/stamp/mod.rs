@@ -1,7 +1,7 @@
 //! Small discs, stamped block by block.
 //!
 //! Where discs are at most [`mask::LARGEST`] large and a block of cells far enough from the eye, its
-//! samples need no arithmetic by pixel: a mask of 4 x 4 pixels from tables ([`mask`]), laid where the
+//! samples need no arithmetic by pixel: a mask of 4 x 4 pixels from tables ([`mask`]), or four of them, laid where the
 //! sample is, and cut where that is beyond the frame ([`edge`]). What is left to compute a sample is one
 //! packed sum for its place, one product for its offset and one for the angle at which it is seen:
 //!
@@ -64,6 +64,15 @@ fn entry<T: Copy, const N: usize>(table: &[T; N], index: u32) -> T {
 /// the root of 2 apart, so that their discs meet from 0.866 on; of any other plane they stand closer.
 const RADIUS: i32 = 222;
 
+/// The largest side of cells whose discs are stamped, Q16, and of those that have a mask of 4 x 4: 4 pixels and 2.9.
+const LARGEST_SIDE: i32 = 264_000;
+const LARGEST_SIDE_OF_FOUR: i32 = 192_000;
+
+/// Pixels from a window's first to beyond its last.
+const fn window(side: i32) -> i32 {
+    if side > LARGEST_SIDE_OF_FOUR { 8 } else { 4 }
+}
+
 /// What turns away by more than this, a quarter, is left. A sample stands for a part of the surface,
 /// not all of which faces as it does.
 const FAR_AWAY: i32 = -(1 << 28);
@@ -99,8 +108,8 @@ pub(super) struct Stamps<'v> {
 /// By offset step: 32nds of a pixel.
 type Offsets = [i8; 8];
 
-/// How far the largest offset may reach: 144 64ths of a pixel, for cells of 2.6 pixels and leaves of all layouts.
-const UNITS: usize = 144;
+/// How far the largest offset may reach: 224 64ths of a pixel, for cells of 4 pixels and leaves of all layouts.
+const UNITS: usize = 224;
 
 static EIGHT: [Offsets; UNITS] = steps(8);
 static FOUR: [Offsets; UNITS] = steps(4);
@@ -427,8 +436,8 @@ impl<'v> Stamps<'v> {
     /// cells with this side (Q16) into a mask.
     #[inline(always)]
     pub(super) fn can_hold(view: &View, reach: i32, side: i32) -> bool {
-        // A side of 2.6 pixels has discs of 0.8 sides then: still no holes.
-        reach <= (REACH - 4) << 8 && side <= 170_000 && view.width.min(view.height) >= 64
+        let beside = window(side);
+        reach <= (REACH - beside) << 8 && side <= LARGEST_SIDE && view.width.min(view.height) >= 72
     }
 
     /// For a block that they [can hold](Self::can_hold), whose centre is projected to (x, y) (Q8 from the
@@ -454,8 +463,12 @@ impl<'v> Stamps<'v> {
         // 1 / sqrt(1 + t^2) by its series, 256 to the unit; t^2 is at most a half.
         let t2 = square >> 10;
         let length = 256 - (t2 >> 1) + ((3 * t2 * t2) >> 11) - ((5 * t2 * t2 * t2) >> 20);
-        let radius = (side * (RADIUS >> 1)) >> 15;
-        let Some(circle) = Circle::of((radius as u32).min(mask::LARGEST)) else {
+        let radius = ((side >> 4) * RADIUS) >> 12;
+        let largest = match window(side) {
+            4 => mask::LARGEST_OF_FOUR,
+            _ => mask::LARGEST,
+        };
+        let Some(circle) = Circle::of((radius as u32).min(largest)) else {
             return false;
         };
         self.circle = circle;
@@ -480,7 +493,8 @@ impl<'v> Stamps<'v> {
         let corner = (corner(x, width), corner(y, height));
         if is_inside {
             // Windows in the frame begin within 64 pixels of a corner whose 64 windows are in it, too.
-            let moved = |corner: i32, side: i32| corner.min(side - 67).max(0);
+            let window = window(side);
+            let moved = |corner: i32, side: i32| corner.min(side - 63 - window).max(0);
             self.corner = (moved(corner.0, width), moved(corner.1, height));
             self.edges = None;
         } else {
@@ -518,11 +532,12 @@ impl<'v> Stamps<'v> {
         along(lower) | along(upper) << 16
     }
 
-    /// How far a disc reaches beyond its cell's bounds at most, Q8.
+    /// How far a disc, and what its window has beyond three pixels from there, reaches beyond its cell's bounds at
+    /// most, Q8.
     pub(super) fn overhang(side: i32) -> i32 {
         // 0.9 sides less the half that is within, and the offset: at most 0.87 sides.
         // Q16 to Q8; shifted first, since near the eye a side has up to 31 bits.
-        (((side >> 4) * 5) >> 6) + 1
+        (((side >> 4) * 5) >> 6) + 1 + ((window(side) - 4) << 6)
     }
 
     /// Stamps all subcells of a block's parents.
@@ -658,25 +673,6 @@ impl<'v> Stamps<'v> {
             if towards < FAR_AWAY && !samples.two_sided {
                 continue;
             }
-            let (x, y) = (place >> 10 & 63, place >> 26);
-            let within = self.edges.map_or(0xFFFF, |edges| edges.within(x, y));
-            if within == 0 {
-                continue;
-            }
-            let mask = || {
-                let cosine = u64::from(towards.unsigned_abs());
-                let half = ((cosine * u64::from(self.breadth)) >> 32) as u32;
-                mask::disc(self.circle, place & 0x03FF_03FF, class.towards, half) & within
-            };
-            let stamp = Stamp {
-                corner: samples.corner,
-                x,
-                y,
-                rows: self.circle.rows(),
-                within,
-                away: towards < 0,
-                w: samples.w + entry(samples.depths, cell),
-            };
             let colour = || match samples.light {
                 None => F::colour(shading, word),
                 Some((at, cells)) => {
@@ -686,7 +682,32 @@ impl<'v> Stamps<'v> {
                     shading.colour_at(word, at.wrapping_add(d.unwrap_or(0)))
                 }
             };
-            target.stamp(stamp, mask, colour);
+            let tiles = self.circle.tiles();
+            for tile in 0..tiles {
+                let x = (place >> 10 & 63) + tile % 2 * 4;
+                let y = (place >> 26) + tile / 2 * 4;
+                let within = self.edges.map_or(0xFFFF, |edges| edges.within(x, y));
+                if within == 0 {
+                    continue;
+                }
+                let mask = || {
+                    let cosine = u64::from(towards.unsigned_abs());
+                    let half = ((cosine * u64::from(self.breadth)) >> 32) as u32;
+                    let parts = place & 0x03FF_03FF;
+                    mask::disc(self.circle, tile, parts, class.towards, half) & within
+                };
+                let stamp = Stamp {
+                    corner: samples.corner,
+                    x,
+                    y,
+                    rows: self.circle.rows().min(4),
+                    within,
+                    // Of several tiles each would ask for itself.
+                    away: towards < 0 && tiles == 1,
+                    w: samples.w + entry(samples.depths, cell),
+                };
+                target.stamp(stamp, mask, colour);
+            }
         }
     }
 }

@@ -25,7 +25,7 @@
 //!   and [`stamp`] checks that there are as many tones.
 //! * *directions*: four bits. *Half-planes*: `ORIGIN` and the number of places are such that no sum of
 //!   a place within a window and a half width stays outside; [`stamp`] bounds `breadth`.
-//! * *circle*: eight or six bits of place, and [`Circle`] has a table of as many.
+//! * *circle*: eight or six bits of place, and [`Circle`] has a table of as many, or one for each of four tiles.
 //! * *spread*: eight bits of a mask.
 //! * *unlit*: seven bits of a word of 16; there are [`NORMALS`](crate::unlit::NORMALS) rows.
 //! * *in the light*: displacements by subcell and by a list's number, as above; of what a word is moved by,
@@ -33,7 +33,7 @@
 //!   [`stamp`] compares with its length.
 //! * *columns, rows*: six bits of a place.
 //! * *pixels*: places have six bits each, so windows begin within 64 x 64 pixels of the corner, and
-//!   [`stamp`] checks that those and three more, each way, are in the frame's bytes. Where stamps may reach
+//!   [`stamp`] checks that those and three more, each way, are in the frame's bytes, or seven of large discs. Where stamps may reach
 //!   beyond the frame, a window is touched only if one of its pixels is in it ([`Edges`]): all of those are
 //!   in the bytes, by the margins, of a frame that is as wide and high as the view, which [`stamp`] compares.
 //!   In a band each window is compared with the last that lies in its bytes; one that begins before the
@@ -54,7 +54,7 @@ use core::mem::MaybeUninit;
 
 use super::edge::{Edges, Within};
 use super::lists::{FIRST, LISTS, Lists};
-use super::mask::{Direction, HALF_PLANES};
+use super::mask::{Direction, HALF_PLANES, TILES, WIDE, Wide};
 use super::{Circle, Classes, FAR_AWAY, MAX_PARENTS, Parents, Stamps, classes};
 use crate::blob::facing::{TWO_SIDED, WIDTH_BITS};
 use crate::blob::format::MAX_MATERIALS;
@@ -126,6 +126,8 @@ struct Block {
     deep: MaybeUninit<Deep>,
     /// 312.
     texels: Texels,
+    /// 336: of a large disc, the strip's half width and place, the circle, the direction; 352: the window.
+    large: MaybeUninit<[u32; 5]>,
 }
 
 /// The frame's edges.
@@ -215,6 +217,8 @@ type Loop = unsafe extern "C" fn(*mut Block, rows: u32);
 
 unsafe extern "C" {
     fn rho_grid_stamp(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_large(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_band_large(block: *mut Block, rows: u32);
     fn rho_grid_stamp_band(block: *mut Block, rows: u32);
     fn rho_grid_stamp_both(block: *mut Block, rows: u32);
     fn rho_grid_stamp_cut(block: *mut Block, rows: u32);
@@ -243,6 +247,8 @@ unsafe extern "C" {
 pub(super) struct Loops {
     /// Within the frame, and at its edges; none where blocks are drawn by other means.
     loops: Option<[Loop; 2]>,
+    /// Of large discs within the frame.
+    large: Option<Loop>,
     /// For the level whose masks it points to.
     block: Block,
 }
@@ -251,6 +257,7 @@ impl Loops {
     /// For no level.
     pub(super) const NONE: Self = Self {
         loops: None,
+        large: None,
         block: Block {
             offsets: [0; 8],
             cells: [0; 9],
@@ -287,6 +294,7 @@ impl Loops {
             cut: MaybeUninit::uninit(),
             deep: MaybeUninit::uninit(),
             texels: Texels::NONE,
+            large: MaybeUninit::uninit(),
         },
     };
 
@@ -360,6 +368,11 @@ impl Loops {
             cones => cones.as_ptr(),
         };
         block.width = TWO_SIDED;
+        self.large = match (is_band, BOTH || is_deep || shadows.is_some()) {
+            (true, _) => Some(rho_grid_stamp_band_large),
+            (false, false) => Some(rho_grid_stamp_large),
+            (false, true) => None,
+        };
         self.loops = Some(match (is_band, BOTH, is_deep, shadows.is_some()) {
             (true, ..) => [rho_grid_stamp_band, rho_grid_stamp_band_cut],
             (_, true, true, true) => [
@@ -412,6 +425,12 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         return false;
     };
     let mut edges = stamps.edges;
+    let is_large = stamps.circle.tiles() > 1;
+    let within = match stamps.loops.large {
+        Some(large) if is_large && edges.is_none() => large,
+        _ if is_large => return false,
+        _ => within,
+    };
     let (x, y) = stamps.corner;
     let (width, height) = stamps.size;
     if let Some(Depths { words, factor }) = depths {
@@ -450,8 +469,9 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     }
     let stride = if band.is_some() { 2 * STRIDE } else { STRIDE };
     let corner = margin(stride) as i32 + (y - band.unwrap_or(0)) * stride as i32 + x;
-    // 63 pixels on, and the window's three.
-    let last = corner + 66 * (STRIDE as i32 + 1);
+    let window = if is_large { 8 } else { 4 };
+    // 63 pixels on, and what the window has beyond its first.
+    let last = corner + (62 + window) * (STRIDE as i32 + 1);
     let is_inside = match edges {
         _ if band.is_some() => true,
         None => corner >= 0 && (last as usize) < pixels.len(),
@@ -468,6 +488,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         Circle::Two(circle) => (2, circle.as_ptr()),
         Circle::Three(circle) => (3, circle.as_ptr().cast()),
         Circle::Four(circle) => (4, circle.as_ptr().cast()),
+        Circle::Eight(tiles) => (8, tiles.as_ptr().cast()),
     };
     let (x, y) = stamps.origin(rows);
     let order = order.as_ptr_range();
@@ -477,7 +498,11 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     block.sight = stamps.sight.tangents;
     block.step = stamps.sight.step;
     block.breadth = stamps.breadth;
-    block.directions = stamps.circle.directions().as_ptr();
+    block.directions = if is_large {
+        WIDE.as_ptr().cast()
+    } else {
+        stamps.circle.directions().as_ptr()
+    };
     block.circle = circle;
     // Of a frame it may lie before the first pixel, where windows that begin there are left.
     block.corner = match band {
@@ -528,6 +553,9 @@ const _: () = {
     assert!(core::mem::offset_of!(Deep, around) == 64);
     assert!(core::mem::offset_of!(Block, texels) == 312);
     assert!(core::mem::offset_of!(Texels, texel) == 8);
+    assert!(core::mem::offset_of!(Block, large) == 336);
+    assert!(size_of::<Wide>() == 16 && core::mem::offset_of!(Wide, shifts) == 8);
+    assert!(TILES == 4 && size_of::<[u16; 64]>() == 128);
     assert!(FIRST == 2);
     assert!(NORMALS == 128 && MAX_MATERIALS == 8);
     assert!(size_of::<Within>() == 4);
