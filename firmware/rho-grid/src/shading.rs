@@ -300,13 +300,14 @@ pub(crate) const fn steps(materials: usize) -> usize {
 }
 
 /// A colour that can be averaged: levels of RGB565 in eighths (red, blue) and quarters (green), ten bits
-/// each, of which a colour takes eight.
+/// each, of which a colour takes eight; half a level more, so that what is cut off from a mean is rounded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Addend(u32);
 
 impl Addend {
     fn new([red, green, blue]: [u32; 3]) -> Self {
-        Self(red << 20 | green << 10 | blue)
+        // A quarter of half a level: four are added.
+        Self((red + 4) << 20 | (green + 2) << 10 | (blue + 4))
     }
 
     /// Of red, green, blue of Q15, 0 to 1.
@@ -333,8 +334,8 @@ impl Addend {
     #[inline(always)]
     #[must_use]
     pub fn mean([a, b, c, d]: [Self; 4]) -> u16 {
-        // At most 4 x 255 a channel, half a level included, so none reaches into the next.
-        let sum = a.0 + b.0 + c.0 + d.0 + (16 << 20 | 8 << 10 | 16);
+        // Below 2^10 a channel, so none reaches into the next.
+        let sum = a.0 + b.0 + c.0 + d.0;
         ((sum >> 14) & 0xF800 | (sum >> 9) & 0x07E0 | (sum >> 5) & 0x1F) as u16
     }
 }

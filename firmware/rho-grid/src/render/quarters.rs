@@ -105,7 +105,6 @@ impl Blend {
         is_gap: impl Fn(i32) -> bool,
     ) {
         let (upper, lower) = (upper.as_chunks().0, lower.as_chunks().0);
-        let background = Addend::mean([self.of(0); 4]);
         let (pairs, rest) = words.as_chunks_mut::<2>();
         let part =
             |n: usize, quarters| self.pair_in_part(quarters, |right| is_gap(2 * n as i32 + right));
@@ -114,19 +113,18 @@ impl Blend {
         {
             [*word, _] = part(pairs.len(), [*upper, *lower].map(u32::from_le_bytes));
         }
+        pairs.fill([Addend::mean([self.of(0); 4]); 2]);
         let end = columns.end.min(pairs.len());
         let first = columns.start.min(end);
-        let (before, reached) = pairs.split_at_mut(first);
-        let (reached, after) = reached.split_at_mut(end - first);
-        before.fill([background; 2]);
-        after.fill([background; 2]);
+        let reached = pairs.get_mut(first..end).unwrap_or_default();
         let [upper, lower] = [upper, lower].map(|row| row.get(first..end).unwrap_or_default());
         let reached = reached.iter_mut().zip(upper).zip(lower);
         for (n, ((pair, upper), lower)) in (first..).zip(reached) {
             let (a, b) = (u32::from_le_bytes(*upper), u32::from_le_bytes(*lower));
-            *pair = if a | b == 0 {
-                [background; 2]
-            } else if a & b & COVERED == COVERED {
+            if a | b == 0 {
+                continue;
+            }
+            *pair = if a & b & COVERED == COVERED {
                 [self.pixel(a, b), self.pixel(a >> 16, b >> 16)]
             } else {
                 part(n, [a, b])

@@ -181,12 +181,38 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     /// 27 of 32 of all eight round it are. Beyond the frame and the band nothing says that it is none.
     #[must_use]
     pub fn quarters(&self, x: i32, y: i32) -> u32 {
-        let count = |x: i32, y: i32| {
-            let within = 0..i32::from(self.width) / 2;
-            let (Some(upper), Some(lower)) = (self.row(2 * y), self.row(2 * y + 1)) else {
-                return 4;
-            };
-            if !within.contains(&x) {
+        let [left, own, right] = self.three_in_quarters(x, y);
+        let upper = self.three_in_quarters(x, y - 1);
+        let lower = self.three_in_quarters(x, y + 1);
+        let beside = [left, right, upper[1], lower[1]];
+        let sum = beside.iter().sum::<u32>();
+        let all = sum + upper[0] + upper[2] + lower[0] + lower[2];
+        let is_gap = own > 0 && sum >= 11 && beside.iter().all(|covered| *covered > 0)
+            || sum >= 12 && all >= 27;
+        if is_gap { 4 } else { own }
+    }
+
+    /// Of quarters: how many are covered of those of pixel (x, y) and of its neighbours to the left and the right,
+    /// which lies in the middle; four beyond the frame and the band.
+    fn three_in_quarters(&self, x: i32, y: i32) -> [u32; 3] {
+        let (Some(upper), Some(lower)) = (self.row(2 * y), self.row(2 * y + 1)) else {
+            return [4; 3];
+        };
+        let from = 2 * x as usize;
+        let six = |row: &[u8]| row.get(from.wrapping_sub(2)..)?.first_chunk::<6>().copied();
+        if from + 4 <= usize::from(self.width)
+            && let (Some([a, b, c, d, rest @ ..]), Some([e, f, g, h, others @ ..])) =
+                (six(upper), six(lower))
+        {
+            let sum = (word([a, b, c, d]) & COVERED) + (word([e, f, g, h]) & COVERED);
+            let sum = sum + (sum >> 8);
+            let [right, last] = [rest, others].map(|pair| u32::from(u16::from_le_bytes(pair)));
+            let beyond = (right & 0x0101) + (last & 0x0101);
+            return [sum & 7, sum >> 16 & 7, beyond + (beyond >> 8) & 7];
+        }
+        // At the frame's edge.
+        [x - 1, x, x + 1].map(|x| {
+            if !(0..i32::from(self.width) / 2).contains(&x) {
                 return 4;
             }
             let covered = |row: &[u8]| {
@@ -194,20 +220,7 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
                 pair.map_or(0, |[a, b]: &[u8; 2]| u32::from((a & 1) + (b & 1)))
             };
             covered(upper) + covered(lower)
-        };
-        let own = count(x, y);
-        let beside = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)].map(|(x, y)| count(x, y));
-        let sum = beside.iter().sum::<u32>();
-        let is_gap = if own > 0 && sum >= 11 && beside.iter().all(|covered| *covered > 0) {
-            true
-        } else if sum >= 12 {
-            let corners =
-                [(-1, -1), (1, -1), (-1, 1), (1, 1)].map(|(dx, dy)| count(x + dx, y + dy));
-            sum + corners.iter().sum::<u32>() >= 27
-        } else {
-            false
-        };
-        if is_gap { 4 } else { own }
+        })
     }
 
     /// Covers what is open of `count` pixels from `at` on.
