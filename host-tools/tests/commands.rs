@@ -216,7 +216,7 @@ fn a_frame_has_the_same_pixels_as_its_numbers_say() {
     assert_eq!(drawn["reciprocal"], "divide");
     assert_eq!(
         (&drawn["frame"], &drawn["grid"]),
-        (&"words".into(), &4.into())
+        (&"words".into(), &5.into())
     );
     assert_eq!(drawn["cell_size"], 1.5);
     let depth = host_tools::depth::Depth::read(&at.join("d.png")).unwrap();

@@ -70,8 +70,8 @@ impl<V: Visibility, S: Shade> Walk<'_, '_, V, S> {
 
     /// Bounds of a cell near the eye, which may be in it; `None` when it is behind.
     ///
-    /// X and W range independently, W from the eye's plane on: wider than exact, and never too
-    /// narrow. Where the whole cell can be projected, its own extent bounds it too.
+    /// Where the whole cell can be projected, its own extent bounds it. Nearer than that X and W range
+    /// independently, W from the eye's plane on: wider than exact, and never too narrow.
     #[cold]
     pub(super) fn near_bounds<R: Reciprocal>(
         &self,
@@ -84,15 +84,22 @@ impl<V: Visibility, S: Shade> Walk<'_, '_, V, S> {
         }
         let nearest = w.0;
         let w = (w.0.max(1), w.1);
+        let exact = (nearest >= self.view.near).then(|| {
+            let (x, y) = self.on_screen::<R>(centre);
+            let half = self.view.half::<R>(level, [x, y], Half::default(), nearest);
+            (x, y, half)
+        });
+        if let Some((x, y, half)) = exact
+            && nearest >= 3 * level.half.w
+        {
+            return Some(self.bounds(x, y, half));
+        }
         let mut x = self.interval(centre.x, level.half.x, w);
         let mut y = self.interval(centre.y, level.half.y, w);
-        if nearest >= self.view.near {
-            let at = self.on_screen::<R>(centre);
-            let half = Half::default();
-            let half = self.view.half::<R>(level, [at.0, at.1], half, nearest);
+        if let Some((at_x, at_y, half)) = exact {
             let both = |a: (i32, i32), at: i32, half: i32| (a.0.max(at - half), a.1.min(at + half));
-            x = both(x, at.0, half.x);
-            y = both(y, at.1, half.y);
+            x = both(x, at_x, half.x);
+            y = both(y, at_y, half.y);
         }
         let middle = |(low, high): (i32, i32)| (low + high) >> 1;
         let (mx, my) = (middle(x), middle(y));
