@@ -219,7 +219,7 @@ fn without_flags_the_grids_are_the_presets_own_and_colours_are_materials() {
             })
             .collect()
     };
-    let cells = [48, 60, 81, 96, 108, 144];
+    let cells = [48, 60, 72, 96, 108, 144];
     let discs = cells.map(|cells| (cells, 3, 0));
     assert_eq!(grids("t.obj", &[]), discs);
     assert_eq!(grids("t.obj", &["--flash", "100K"]), discs[..3]);

@@ -151,7 +151,7 @@ impl Preset {
     /// The number of cells an axis over the square root of the cube's side in pixels, times 10.
     const fn fineness(self) -> u64 {
         match self {
-            Self::Fast => 62,
+            Self::Fast => 55,
             Self::Balanced => 73,
             Self::Fine => 92,
             Self::Finest => 150,
@@ -391,7 +391,7 @@ mod tests {
             height: 320,
         };
         let cells = |preset: Preset| [2.2883, 9.1532].map(|d| preset.cells(&camera(d)));
-        assert_eq!(cells(Preset::Fast), [81, 41]);
+        assert_eq!(cells(Preset::Fast), [72, 36]);
         assert_eq!(cells(Preset::Balanced), [95, 48]);
         assert_eq!(cells(Preset::Fine), [120, 60]);
         assert_eq!(cells(Preset::Finest), [195, 98]);

@@ -41,11 +41,11 @@ impl Default for BakeOptions {
     }
 }
 
-/// The grids of [`BakeOptions::standard`]: 48, 60, 81, 96, 108 and 144 cells an axis, for the presets.
+/// The grids of [`BakeOptions::standard`]: 48, 60, 72, 96, 108 and 144 cells an axis, for the presets.
 const STANDARD: [&[u8]; 6] = [
     &[4, 4, 3],
     &[4, 5, 3],
-    &[3, 3, 3, 3],
+    &[4, 2, 3, 3],
     &[4, 2, 4, 3],
     &[2, 3, 2, 3, 3],
     &[4, 4, 3, 3],

@@ -80,7 +80,7 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     ///
     /// Row by row from the top, so that a pixel just covered counts for the next one, and those to its
     /// left and above it are looked at again. Pixels at the frame's edge are left, and so are four open
-    /// ones together, the first a multiple of four.
+    /// ones together, the first a multiple of four, unless the one before them is covered.
     pub fn fill(&mut self, rect: Rect) {
         let y0 = (rect.y0 as i32).max(self.first + 1);
         let y1 = (rect.y1 as i32).min(self.first + i32::from(self.height) - 2);
@@ -130,7 +130,8 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
             bytes.map_or(0, |bytes| word(*bytes)) & COVERED
         };
         let here = covered(at);
-        if here == 0 || here == COVERED {
+        let left = self.pixels.get(at - 1).is_some_and(|left| left & 1 == 1);
+        if here == COVERED || here == 0 && !left {
             return false;
         }
         let beside = covered(at - 1) + covered(at + 1);
@@ -596,6 +597,23 @@ mod tests {
             .flatten()
             .filter(|tone| **tone & 1 == 0)
             .count()
+    }
+
+    #[test]
+    fn a_gap_of_one_row_is_filled_from_its_left_end() {
+        let all = Rect {
+            x0: 0,
+            x1: 11,
+            y0: 0,
+            y1: 5,
+        };
+        for first in 2..5 {
+            let gap: std::vec::Vec<(u32, u32)> = (first..9).map(|x| (x, 2)).collect();
+            let mut buffer = [0; tone_words(12, 6)];
+            let mut tones = all_but(&mut buffer, &gap);
+            tones.fill(all);
+            assert_eq!(open(&tones), 0, "from {first} on");
+        }
     }
 
     #[test]
