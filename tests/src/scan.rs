@@ -27,7 +27,7 @@ pub fn bunny() -> &'static Mesh {
     })
 }
 
-/// The bunny's blob as `rho bake` makes it without flags: four thin grids of discs.
+/// The bunny's blob as `rho bake` makes it without flags: six thin grids of discs.
 ///
 /// # Panics
 /// When it cannot be baked.

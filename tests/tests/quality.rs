@@ -101,7 +101,7 @@ fn the_presets_are_as_near_to_the_truth_as_they_were() {
         (
             StandardView::Near,
             [
-                (23.0, 24.7, 0.9935),
+                (23.0, 24.7, 0.993),
                 (24.1, 26.5, 0.9945),
                 (26.7, 29.0, 0.996),
                 (30.5, 32.0, 0.993),

@@ -143,6 +143,8 @@ fn one_pass_and_two_differ_in_hardly_a_pixel() {
                 footprint: FootprintMode::Point,
                 frame: FrameMode::Words,
                 light_splat: LightSplat::of(1).unwrap(),
+                // 108 cells: those of which two passes lay splats, too.
+                grid: 4,
                 ..mode(Preset::Balanced, &view, 128)
             };
             let one = Mode {
