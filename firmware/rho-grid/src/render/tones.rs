@@ -142,20 +142,21 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
 
     /// Whether the pixel was open and is now covered.
     fn fill_one(&mut self, at: usize) -> bool {
-        let x = (at - margin(STRIDE)) % STRIDE;
         let pixel = |at: usize| self.pixels.get(at).copied().unwrap_or(0);
+        if pixel(at) & 1 == 1 {
+            return false;
+        }
         let (left, right) = (pixel(at - 1), pixel(at + 1));
         let (above, below) = (pixel(at - STRIDE), pixel(at + STRIDE));
-        let around = (left & 1) + (right & 1) + (above & 1) + (below & 1);
-        let inside = x > 0 && x + 1 < usize::from(self.width);
-        let fill = pixel(at) & 1 == 0 && around >= 3 && inside;
-        if fill {
-            let tone = if left & 1 == 1 { left } else { right };
-            if let Some(pixel) = self.pixels.get_mut(at) {
-                *pixel = tone;
-            }
+        if (left & 1) + (right & 1) + (above & 1) + (below & 1) < 3 {
+            return false;
         }
-        fill
+        let x = (at - margin(STRIDE)) % STRIDE;
+        let inside = x > 0 && x + 1 < usize::from(self.width);
+        if let Some(pixel) = self.pixels.get_mut(at).filter(|_| inside) {
+            *pixel = if left & 1 == 1 { left } else { right };
+        }
+        inside
     }
 
     /// The pixels, rows from the top.
