@@ -210,7 +210,7 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
             let sum = sum + (sum >> 8);
             let [right, last] = [rest, others].map(|pair| u32::from(u16::from_le_bytes(pair)));
             let beyond = (right & 0x0101) + (last & 0x0101);
-            return [sum & 7, sum >> 16 & 7, beyond + (beyond >> 8) & 7];
+            return [sum & 7, sum >> 16 & 7, (beyond + (beyond >> 8)) & 7];
         }
         // At the frame's edge.
         [x - 1, x, x + 1].map(|x| {
