@@ -3,9 +3,16 @@
 mod common;
 
 use std::io::Write;
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use common::{TETRAHEDRON, folder, json, names, refused, rho};
+
+/// Makes t.rho of t.obj.
+fn bake(folder: &Path, flags: &[&str]) {
+    let command = [&["bake", "t.obj", "-o", "t.rho", "-q"], flags].concat();
+    assert!(rho(folder, &command).status.success());
+}
 
 #[test]
 fn flags_and_names_that_cannot_be_are_refused() {
@@ -139,11 +146,7 @@ fn a_blob_is_the_same_from_a_file_standard_input_or_the_folder_of_models() {
 fn a_damaged_blob_is_refused_with_the_reason() {
     let folder = folder();
     let at = folder.path();
-    assert!(
-        rho(at, &["bake", "t.obj", "-o", "t.rho", "-q"])
-            .status
-            .success()
-    );
+    bake(at, &[]);
     let whole = std::fs::read(at.join("t.rho")).unwrap();
     let mut newer = whole.clone();
     newer[8] = 9;
@@ -179,11 +182,7 @@ fn a_damaged_blob_is_refused_with_the_reason() {
 fn a_frame_has_the_same_pixels_as_its_numbers_say() {
     let folder = folder();
     let at = folder.path();
-    assert!(
-        rho(at, &["bake", "t.obj", "-o", "t.rho", "-q"])
-            .status
-            .success()
-    );
+    bake(at, &[]);
     let command = [
         "render",
         "t.rho",
@@ -230,11 +229,7 @@ fn a_frame_has_the_same_pixels_as_its_numbers_say() {
 fn a_reader_that_has_seen_enough_is_no_error() {
     let folder = folder();
     let at = folder.path();
-    assert!(
-        rho(at, &["bake", "t.obj", "-o", "t.rho", "--rho", "3"])
-            .status
-            .success()
-    );
+    bake(at, &["--rho", "3"]);
     let mut info = Command::new(env!("CARGO_BIN_EXE_rho"))
         .current_dir(at)
         .args(["info", "t.rho"])

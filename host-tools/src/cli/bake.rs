@@ -30,7 +30,7 @@ Examples:
   rho bake scan.obj -o scan.rho --flash 512K --up z
   gunzip -c bunny.ply.gz | rho bake - -o - --subdivisions 4 > bunny.rho
 
-Without a flag of the grid the blob holds what the presets of run and render choose among: five
+Without a flag of the grid the blob holds what the presets of run and render choose among: six
 grids of 48, 60, 72, 96, 108 and 144 cells an axis, thin, with offsets, without intermediate samples; of a
 model in several colours with materials, too. --flash alone takes as many of them as fit, the
 coarser ones first.

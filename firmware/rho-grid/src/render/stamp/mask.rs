@@ -82,6 +82,22 @@ pub(super) struct Direction {
     base: u32,
 }
 
+/// Across a direction, of windows with two more pixels than this a row and a column.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, where an index out of range is an error"
+)]
+const fn across(d: usize, rows: i32) -> Direction {
+    let (ax, ay) = AXES[d];
+    // The centre lies rows / 2 pixels beyond the first pixel's centre, and the part of a pixel that
+    // is added when drawing.
+    let base = d as i32 * PLACES as i32 + ORIGIN + (ax + ay) * rows / 2;
+    Direction {
+        across: (ay as u32).wrapping_add((ax as u32) << 16),
+        base: base as u32,
+    }
+}
+
 /// `[ROWS - 2][direction]`.
 #[allow(
     clippy::indexing_slicing,
@@ -94,14 +110,7 @@ pub(super) static WINDOWS: [[Direction; DIRECTIONS]; 3] = {
     while rows < 3 {
         let mut d = 0;
         while d < DIRECTIONS {
-            let (ax, ay) = AXES[d];
-            // The centre lies rows / 2 pixels beyond the first pixel's centre, and the part of a
-            // pixel that is added when drawing.
-            let base = d as i32 * PLACES as i32 + ORIGIN + (ax + ay) * rows as i32 / 2;
-            windows[rows][d] = Direction {
-                across: (ay as u32).wrapping_add((ax as u32) << 16),
-                base: base as u32,
-            };
+            windows[rows][d] = across(d, rows as i32);
             d += 1;
         }
         rows += 1;
@@ -136,12 +145,8 @@ pub(super) static WIDE: [Wide; DIRECTIONS] = {
     let mut d = 0;
     while d < DIRECTIONS {
         let (ax, ay) = AXES[d];
-        let base = d as i32 * PLACES as i32 + ORIGIN + (ax + ay) * 3;
         wide[d] = Wide {
-            first: Direction {
-                across: (ay as u32).wrapping_add((ax as u32) << 16),
-                base: base as u32,
-            },
+            first: across(d, 6),
             shifts: [0, 4 * ax as i16, 4 * ay as i16, 4 * (ax + ay) as i16],
         };
         d += 1;
@@ -361,21 +366,16 @@ impl Circle {
     /// lower half and y in the upper.
     #[inline(always)]
     fn mask(self, tile: u32, parts: u32) -> u32 {
+        // Three bits of each.
+        let eighths = parts >> 7 & 7 | (parts >> 23 & 7) << 3;
         match self {
             // Four bits of each.
             Self::Two(table) => {
                 let place = parts >> 6 & 15 | (parts >> 22 & 15) << 4;
                 u32::from(entry(table, place))
             }
-            // Three bits of each.
-            Self::Three(table) | Self::Four(table) => {
-                let place = parts >> 7 & 7 | (parts >> 23 & 7) << 3;
-                u32::from(entry(table, place))
-            }
-            Self::Eight(tiles) => {
-                let place = parts >> 7 & 7 | (parts >> 23 & 7) << 3;
-                u32::from(entry(&entry(tiles, tile), place))
-            }
+            Self::Three(table) | Self::Four(table) => u32::from(entry(table, eighths)),
+            Self::Eight(tiles) => u32::from(entry(&entry(tiles, tile), eighths)),
         }
     }
 

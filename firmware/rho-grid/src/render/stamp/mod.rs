@@ -535,7 +535,7 @@ impl<'v> Stamps<'v> {
     /// How far a disc, and what its window has beyond three pixels from there, reaches beyond its cell's bounds at
     /// most, Q8.
     pub(super) fn overhang(side: i32) -> i32 {
-        // 0.9 sides less the half that is within, and the offset: at most 0.87 sides.
+        // 0.87 sides less the half that is within, and the offset: at most 0.84 sides.
         // Q16 to Q8; shifted first, since near the eye a side has up to 31 bits.
         (((side >> 4) * 5) >> 6) + 1 + ((window(side) - 4) << 6)
     }

@@ -10,7 +10,8 @@
 //! The assembly reads and writes memory through the pointers of [`Block`] and its own stack, and
 //! nothing else; edges and depths only in loops for which [`stamp`] sets them. Each
 //! access lies within what the pointer was made from. What is the same for all blocks of a level is set once
-//! ([`Loops`]), from what the walk borrows while it lasts; a level is known by where its masks are. The rest is set
+//! ([`Loops`]), from what the walk borrows while it lasts; a level is known by where its masks are, and what is drawn
+//! into is compared each time. The rest is set
 //! for each block.
 //!
 //! * *order*: `count` entries, at least one, made by [`Parents`].
@@ -249,6 +250,8 @@ pub(super) struct Loops {
     loops: Option<[Loop; 2]>,
     /// Of large discs within the frame.
     large: Option<Loop>,
+    /// Whether they draw into a band, and against depths.
+    kind: (bool, bool),
     /// For the level whose masks it points to.
     block: Block,
 }
@@ -258,6 +261,7 @@ impl Loops {
     pub(super) const NONE: Self = Self {
         loops: None,
         large: None,
+        kind: (false, false),
         block: Block {
             offsets: [0; 8],
             cells: [0; 9],
@@ -306,8 +310,10 @@ impl Loops {
         backs: bool,
         parents: &Parents<'_, '_, u16>,
         shading: &S,
-        (is_band, is_deep): (bool, bool),
+        kind: (bool, bool),
     ) {
+        let (is_band, is_deep) = kind;
+        self.kind = kind;
         let block = &mut self.block;
         block.masks = parents.level.masks.as_ptr();
         self.loops = None;
@@ -416,8 +422,8 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         band,
         depths,
     } = bytes;
-    if stamps.loops.block.masks != parents.level.masks.as_ptr() {
-        let kind = (band.is_some(), depths.is_some());
+    let kind = (band.is_some(), depths.is_some());
+    if stamps.loops.block.masks != parents.level.masks.as_ptr() || stamps.loops.kind != kind {
         let (classes, backs) = (stamps.classes, stamps.backs);
         (stamps.loops).turn_to::<BOTH, S>(classes, backs, parents, shading, kind);
     }
