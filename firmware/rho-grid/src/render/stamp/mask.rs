@@ -328,15 +328,6 @@ impl Circle {
         }
     }
 
-    /// Of how many masks it is.
-    #[inline(always)]
-    pub(super) fn tiles(self) -> u32 {
-        match self {
-            Self::Eight(_) => TILES as u32,
-            _ => 1,
-        }
-    }
-
     /// Those of strips in its window, if that is one tile.
     #[inline(always)]
     pub(super) fn directions(self) -> &'static [Direction; DIRECTIONS] {
@@ -348,34 +339,19 @@ impl Circle {
         }
     }
 
-    /// Where the strip of a tile is, in this direction.
-    #[inline(always)]
-    fn direction(self, tile: u32, direction: u32) -> Direction {
-        let Self::Eight(_) = self else {
-            return entry(self.directions(), direction);
-        };
-        let Wide { first, shifts } = entry(&WIDE, direction);
-        let shift = i32::from(entry(&shifts, tile)) as u32;
-        Direction {
-            base: first.base.wrapping_sub(shift),
-            ..first
-        }
-    }
-
     /// The mask at the centre `parts`: its part of a pixel beyond that, 1024 to the pixel, x in the
-    /// lower half and y in the upper.
+    /// lower half and y in the upper. Of several tiles, that of the first.
     #[inline(always)]
-    fn mask(self, tile: u32, parts: u32) -> u32 {
-        // Three bits of each.
-        let eighths = parts >> 7 & 7 | (parts >> 23 & 7) << 3;
+    fn mask(self, parts: u32) -> u32 {
         match self {
             // Four bits of each.
             Self::Two(table) => {
                 let place = parts >> 6 & 15 | (parts >> 22 & 15) << 4;
                 u32::from(entry(table, place))
             }
-            Self::Three(table) | Self::Four(table) => u32::from(entry(table, eighths)),
-            Self::Eight(tiles) => u32::from(entry(&entry(tiles, tile), eighths)),
+            Self::Three(table) | Self::Four(table) | Self::Eight([table, ..]) => {
+                u32::from(entry(table, eighths(parts)))
+            }
         }
     }
 
@@ -397,19 +373,47 @@ impl Circle {
     }
 }
 
-/// The mask of a disc's tile: `parts` as [`Circle::mask`] has them, `direction` that of its normal on the
+/// Three bits of each of two parts.
+#[inline(always)]
+fn eighths(parts: u32) -> u32 {
+    parts >> 7 & 7 | (parts >> 23 & 7) << 3
+}
+
+impl Direction {
+    /// The strip of this half width in sixteenths of a pixel, its place less by `shift`.
+    #[inline(always)]
+    fn strip(self, parts: u32, half: u32, shift: u32) -> u32 {
+        // x ax + y ay in the upper half: the lower one, x ay, is not negative and does not reach it.
+        // Rounded to sixteenths.
+        let along = parts.wrapping_mul(self.across).wrapping_add(1 << 25) as i32 >> 26;
+        let place = self.base.wrapping_add(along as u32).wrapping_sub(shift);
+        let beyond = |place: u32| HALF_PLANES.get(place as usize).copied().unwrap_or(0);
+        u32::from(beyond(place.wrapping_add(half)))
+            & !u32::from(beyond(place.wrapping_sub(half).wrapping_sub(1)))
+    }
+}
+
+/// The mask of a disc of one tile: `parts` as [`Circle::mask`] has them, `direction` that of its normal on the
 /// screen, `half` the strip's half width in sixteenths of a pixel.
 #[inline(always)]
-pub(super) fn disc(circle: Circle, tile: u32, parts: u32, direction: u32, half: u32) -> u32 {
-    let direction = circle.direction(tile, direction);
-    // x ax + y ay in the upper half: the lower one, x ay, is not negative and does not reach it.
-    // Rounded to sixteenths.
-    let along = parts.wrapping_mul(direction.across).wrapping_add(1 << 25) as i32 >> 26;
-    let place = direction.base.wrapping_add(along as u32);
-    let beyond = |place: u32| HALF_PLANES.get(place as usize).copied().unwrap_or(0);
-    circle.mask(tile, parts)
-        & u32::from(beyond(place.wrapping_add(half)))
-        & !u32::from(beyond(place.wrapping_sub(half).wrapping_sub(1)))
+pub(super) fn disc(circle: Circle, parts: u32, direction: u32, half: u32) -> u32 {
+    let direction = entry(circle.directions(), direction);
+    circle.mask(parts) & direction.strip(parts, half, 0)
+}
+
+/// The masks of a large disc's tiles.
+pub(super) fn tiles(
+    circles: &[[u16; 64]; TILES],
+    parts: u32,
+    direction: u32,
+    half: u32,
+) -> [u32; TILES] {
+    let Wide { first, shifts } = entry(&WIDE, direction);
+    let [a, b, c, d] = circles;
+    let [e, f, g, h] = shifts.map(|shift| i32::from(shift) as u32);
+    [(a, e), (b, f), (c, g), (d, h)].map(|(circle, shift)| {
+        u32::from(entry(circle, eighths(parts))) & first.strip(parts, half, shift)
+    })
 }
 
 /// The index of the direction nearest to (x, y) or its opposite; (0, 0) gives one too.
@@ -442,12 +446,12 @@ mod tests {
 
     /// Whether a disc holds a pixel of its window.
     fn holds(circle: Circle, parts: u32, direction: u32, half: u32, (x, y): (u32, u32)) -> bool {
-        let tile = if circle.tiles() > 1 {
-            x / 4 + y / 4 * 2
-        } else {
-            0
+        let mask = match circle {
+            Circle::Eight(circles) => {
+                tiles(circles, parts, direction, half)[(x / 4 + y / 4 * 2) as usize]
+            }
+            _ => disc(circle, parts, direction, half),
         };
-        let mask = disc(circle, tile, parts, direction, half);
         mask >> (x % 4 + y % 4 * 4) & 1 == 1
     }
 

@@ -682,32 +682,64 @@ impl<'v> Stamps<'v> {
                     shading.colour_at(word, at.wrapping_add(d.unwrap_or(0)))
                 }
             };
-            let tiles = self.circle.tiles();
-            for tile in 0..tiles {
-                let x = (place >> 10 & 63) + tile % 2 * 4;
-                let y = (place >> 26) + tile / 2 * 4;
-                let within = self.edges.map_or(0xFFFF, |edges| edges.within(x, y));
-                if within == 0 {
-                    continue;
-                }
-                let mask = || {
-                    let cosine = u64::from(towards.unsigned_abs());
-                    let half = ((cosine * u64::from(self.breadth)) >> 32) as u32;
-                    let parts = place & 0x03FF_03FF;
-                    mask::disc(self.circle, tile, parts, class.towards, half) & within
-                };
-                let stamp = Stamp {
-                    corner: samples.corner,
-                    x,
-                    y,
-                    rows: self.circle.rows().min(4),
-                    within,
-                    // Of several tiles each would ask for itself.
-                    away: towards < 0 && tiles == 1,
-                    w: samples.w + entry(samples.depths, cell),
-                };
-                target.stamp(stamp, mask, colour);
+            let half = || {
+                let cosine = u64::from(towards.unsigned_abs());
+                ((cosine * u64::from(self.breadth)) >> 32) as u32
+            };
+            let parts = place & 0x03FF_03FF;
+            let (x, y) = (place >> 10 & 63, place >> 26);
+            let w = samples.w + entry(samples.depths, cell);
+            if let Circle::Eight(circles) = self.circle {
+                let masks = mask::tiles(circles, parts, class.towards, half());
+                self.tiles(target, samples.corner, (x, y), w, masks, colour);
+                continue;
             }
+            let within = self.edges.map_or(0xFFFF, |edges| edges.within(x, y));
+            if within == 0 {
+                continue;
+            }
+            let mask = || mask::disc(self.circle, parts, class.towards, half()) & within;
+            let stamp = Stamp {
+                corner: samples.corner,
+                x,
+                y,
+                rows: self.circle.rows(),
+                within,
+                away: towards < 0,
+                w,
+            };
+            target.stamp(stamp, mask, colour);
+        }
+    }
+
+    /// Stamps the tiles of a large disc. If it faces away, it is asked of none whether it shows: each would ask for
+    /// itself.
+    #[inline(never)]
+    fn tiles<V: Visibility>(
+        &self,
+        target: &mut V,
+        corner: u32,
+        (x, y): (u32, u32),
+        w: i32,
+        masks: [u32; mask::TILES],
+        colour: impl Fn() -> u16,
+    ) {
+        for (tile, mask) in (0..).zip(masks) {
+            let (x, y) = (x + tile % 2 * 4, y + tile / 2 * 4);
+            let within = self.edges.map_or(0xFFFF, |edges| edges.within(x, y));
+            if within == 0 {
+                continue;
+            }
+            let stamp = Stamp {
+                corner,
+                x,
+                y,
+                rows: 4,
+                within,
+                away: false,
+                w,
+            };
+            target.stamp(stamp, || mask & within, &colour);
         }
     }
 }

@@ -431,7 +431,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
         return false;
     };
     let mut edges = stamps.edges;
-    let is_large = stamps.circle.tiles() > 1;
+    let is_large = matches!(stamps.circle, Circle::Eight(_));
     let within = match stamps.loops.large {
         Some(large) if is_large && edges.is_none() => large,
         _ if is_large => return false,
