@@ -22,9 +22,6 @@ use crate::failure::{Failure, Outcome};
 use crate::picture::{Picture, rgb888};
 use crate::view::View;
 
-/// Pixels a row of the widest picture.
-const WIDEST: usize = Camera::MAX_SIDE as usize;
-
 /// A frame and what is known of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawn {
@@ -158,10 +155,11 @@ pub fn render_from(
         stage.buffer = vec![u16::MAX; 4 * pixels];
         let mut covered = Vec::with_capacity(pixels);
         let blend = Blend::new(&palette);
-        let mut buffer = vec![0; quarter_words(WIDEST)];
+        let stride = usize::from(2 * width).next_multiple_of(4);
+        let mut buffer = vec![0; quarter_words(stride)];
         for rows in bands(height) {
             let first = usize::from(rows.start / 2) * usize::from(width);
-            let mut band = WideTones::band(&mut buffer, 2 * width, rows.clone())
+            let mut band = Tones::band(&mut buffer, stride, 2 * width, rows.clone())
                 .ok_or_else(|| internal("frame size"))?;
             let reach = stage.tones(
                 arrangement.turns(),
@@ -178,9 +176,10 @@ pub fn render_from(
         stage.gather(usize::from(width));
         coverage = Some(covered);
     } else if mode.frame == FrameMode::Tones {
-        let mut buffer = vec![0; tone_words(WIDEST, height)];
+        let stride = usize::from(width).next_multiple_of(4);
+        let mut buffer = vec![0; tone_words(stride, height)];
         let mut frame =
-            WideTones::cleared(&mut buffer, width, height).ok_or_else(|| internal("frame size"))?;
+            Tones::cleared(&mut buffer, stride, width, height).ok_or_else(|| internal("frame size"))?;
         stage.tones(arrangement.turns(), towards, &mut tones, &mut frame, None)?;
         let tones = frame.rows().flatten();
         words = tones.map(|tone| palette.colour(*tone)).collect();
@@ -250,9 +249,6 @@ pub fn picture(
     })
 }
 
-/// Tones in rows for the widest picture.
-type WideTones<'a> = Tones<'a, WIDEST, { 3 * WIDEST + 4 }>;
-
 /// What the instances of a frame have in common.
 struct Stage<'a> {
     blob: &'a Blob<'a>,
@@ -299,7 +295,7 @@ impl<'a> Stage<'a> {
         turns: &[Turn],
         towards: [Unit; 3],
         tones: &mut SceneTones,
-        frame: &mut WideTones<'_>,
+        frame: &mut Tones<'_>,
         rows: Option<&Range<u16>>,
     ) -> Outcome<Option<Rect>> {
         let (mut reach, mut all): (Option<Rect>, Option<Rect>) = (None, None);

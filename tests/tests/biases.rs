@@ -59,8 +59,7 @@ fn drawn(view: &View, light: DVec3, map: u16, looked_up: Bias, inwards: i32) -> 
     let palette = tones.palette(&blob);
     [true, false].map(|shadows| {
         let mut buffer = vec![0; tone_words(WIDTH, camera.height)];
-        let frame =
-            Tones::<WIDTH, { 3 * WIDTH + 4 }>::cleared(&mut buffer, camera.width, camera.height);
+        let frame = Tones::cleared(&mut buffer, WIDTH, camera.width, camera.height);
         let mut frame = frame.unwrap();
         let reach = if shadows {
             let shade = Shadowed {

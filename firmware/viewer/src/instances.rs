@@ -145,9 +145,9 @@ impl<'g> Instances<'_, 'g> {
 
     /// Draws all, each in its turn; returns the pixels that they may reach. A frame of tones is filled;
     /// of a band of quarters `rows` tells which it has.
-    pub(crate) fn draw<M: Modes, C: Counter, const STRIDE: usize, const SPAN: usize>(
+    pub(crate) fn draw<M: Modes, C: Counter>(
         &mut self,
-        frame: &mut Tones<'_, STRIDE, SPAN>,
+        frame: &mut Tones<'_>,
         rows: Option<&Range<u16>>,
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<Option<Rect>, ModelError> {

@@ -35,12 +35,13 @@ pub struct Memory {
     shadow: Shadow<{ MapSize::LARGEST.words() }>,
 }
 
-/// Quarters a row, and from the first of a window of four rows to beyond its last.
-const QUARTERS: (usize, usize) = (2 * WIDTH as usize, 6 * WIDTH as usize + 4);
+/// Bytes from row to row of a frame of tones, and of a band of quarters: as wide as the panel.
+pub(crate) const TONES: usize = WIDTH as usize;
+pub(crate) const QUARTERS: usize = 2 * TONES;
 
 pub(crate) const TONE_WORDS: usize = {
-    let frame = tone_words(WIDTH as usize, HEIGHT);
-    let band = quarter_words(QUARTERS.0);
+    let frame = tone_words(TONES, HEIGHT);
+    let band = quarter_words(QUARTERS);
     if frame > band { frame } else { band }
 };
 
@@ -77,12 +78,6 @@ impl Painter for Frames<'_> {
         watch.time(Phase::Send, || give(self.words))
     }
 }
-
-/// A frame of a byte a pixel, as wide as the panel.
-pub(crate) type PanelTones<'a> = Tones<'a, { WIDTH as usize }, { 3 * WIDTH as usize + 4 }>;
-
-/// A band of quarters, as wide as the panel.
-pub(crate) type PanelQuarters<'a> = Tones<'a, { QUARTERS.0 }, { QUARTERS.1 }>;
 
 impl Memory {
     /// All zeros, so that a board's static costs no flash.
@@ -246,10 +241,10 @@ impl<'a> Model<'a> {
         instances.prepare(watch);
         let mut frame = watch
             .time(Phase::Clear, || {
-                PanelTones::cleared(tones, camera.width, camera.height)
+                Tones::cleared(tones, TONES, camera.width, camera.height)
             })
             .ok_or(ModelError::TooLarge)?;
-        instances.draw::<Preset<true, true>, _, _, _>(&mut frame, None, watch)?;
+        instances.draw::<Preset<true, true>, _>(&mut frame, None, watch)?;
         watch.time(Phase::Send, || {
             let palette = instances.scene_tones.palette(&self.blob);
             for (word, tone) in words.iter_mut().zip(frame.rows().flatten()) {
@@ -278,11 +273,11 @@ impl<'a> Model<'a> {
             let words = words.get_mut(first..).unwrap_or_default();
             let mut band = watch
                 .time(Phase::Clear, || {
-                    PanelQuarters::band(tones, 2 * camera.width, rows.clone())
+                    Tones::band(tones, QUARTERS, 2 * camera.width, rows.clone())
                 })
                 .ok_or(ModelError::TooLarge)?;
             let reach =
-                instances.draw::<Preset<true, true>, _, _, _>(&mut band, Some(&rows), watch)?;
+                instances.draw::<Preset<true, true>, _>(&mut band, Some(&rows), watch)?;
             watch.time(Phase::Fill, || {
                 blend.rows(&band, words, camera.width, reach);
             });

@@ -16,7 +16,7 @@ use crate::count::{Counter, Phase, Stopwatch};
 use crate::instances::{Instances, Preset};
 use crate::painter::{Give, PaintError, Painter, Shapes, draw_part};
 use crate::panel::ScreenError;
-use crate::picture::{Model, ModelError, PanelQuarters, PanelTones, TONE_WORDS};
+use crate::picture::{Model, ModelError, QUARTERS, TONE_WORDS, TONES};
 use crate::request::Scene;
 use crate::shadow::Maps;
 use crate::size::{HEIGHT, WIDTH};
@@ -50,16 +50,16 @@ impl<M: Maps> Strips<M> {
     }
 
     /// Draws all instances: of the two ways, the one for which there is memory.
-    fn draw<C: Counter, const STRIDE: usize, const SPAN: usize>(
+    fn draw<C: Counter>(
         instances: &mut Instances<'_, '_>,
-        frame: &mut Tones<'_, STRIDE, SPAN>,
+        frame: &mut Tones<'_>,
         rows: Option<&Range<u16>>,
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<Option<Rect>, ModelError> {
         if M::SHADOWS {
-            instances.draw::<Preset<false, true>, _, _, _>(frame, rows, watch)
+            instances.draw::<Preset<false, true>, _>(frame, rows, watch)
         } else {
-            instances.draw::<Preset<false, false>, _, _, _>(frame, rows, watch)
+            instances.draw::<Preset<false, false>, _>(frame, rows, watch)
         }
     }
 }
@@ -110,7 +110,7 @@ impl<M: Maps> Painter for Strips<M> {
                 let strip = strip.ok_or(ModelError::TooLarge)?;
                 let mut band = watch
                     .time(Phase::Clear, || {
-                        PanelQuarters::band(tones, 2 * camera.width, rows.clone())
+                        Tones::band(tones, QUARTERS, 2 * camera.width, rows.clone())
                     })
                     .ok_or(ModelError::TooLarge)?;
                 let reach = Self::draw(&mut instances, &mut band, Some(&rows), watch)?;
@@ -123,7 +123,7 @@ impl<M: Maps> Painter for Strips<M> {
         }
         let mut frame = watch
             .time(Phase::Clear, || {
-                PanelTones::cleared(tones, camera.width, camera.height)
+                Tones::cleared(tones, TONES, camera.width, camera.height)
             })
             .ok_or(ModelError::TooLarge)?;
         Self::draw(&mut instances, &mut frame, None, watch)?;

@@ -68,9 +68,9 @@ impl Blend {
     /// The pixels of a band, RGB565, into `words`, the frame from the band's first row on: `width`
     /// a row, half of the band's. Each is the mean of its four quarters, of those that
     /// [`Tones::quarters`] counts as covered. Nothing is drawn beyond `reach`, in quarters of the frame.
-    pub fn rows<const STRIDE: usize, const SPAN: usize>(
+    pub fn rows(
         &self,
-        band: &Tones<'_, STRIDE, SPAN>,
+        band: &Tones<'_>,
         words: &mut [u16],
         width: u16,
         reach: Option<Rect>,

@@ -20,12 +20,12 @@ use super::visibility::{Canvas, Rect, Shape, Stamp, Visibility};
 /// The lowest bit of each of four pixels.
 pub(super) const COVERED: u32 = 0x0101_0101;
 
-/// A frame of tones, `STRIDE` bytes from row to row, for pictures at most so wide: a multiple of 4, so
-/// that four pixels which are filled together lie in one row. `SPAN` is `3 * STRIDE + 4`: from the
-/// first pixel of a window of four rows to beyond its last.
+/// A frame of tones.
 #[derive(Debug)]
-pub struct Tones<'a, const STRIDE: usize, const SPAN: usize> {
+pub struct Tones<'a> {
     pixels: &'a mut [u8],
+    /// Bytes from row to row: a multiple of 4, so that four pixels which are filled together lie in one row.
+    stride: usize,
     width: u16,
     /// The frame's row that is the first here.
     first: i32,
@@ -33,7 +33,7 @@ pub struct Tones<'a, const STRIDE: usize, const SPAN: usize> {
 }
 
 /// Bytes before the first pixel, and as many after the last: a window of four rows may begin two
-/// pixels before the frame, or end three after it.
+/// pixels before the frame, or end three after it. So many are from a window's first pixel to beyond its last.
 pub(super) const fn margin(stride: usize) -> usize {
     3 * stride + 4
 }
@@ -44,22 +44,28 @@ pub const fn tone_words(stride: usize, height: u16) -> usize {
     (2 * margin(stride) + stride * height as usize).div_ceil(4)
 }
 
-impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
-    /// A frame in a buffer of [`tone_words`] words, cleared; `None` when the picture is wider than
-    /// the rows or the buffer too short.
+impl<'a> Tones<'a> {
+    /// A frame in a buffer of [`tone_words`] words, cleared, `stride` bytes from row to row; `None` when the picture
+    /// is wider than that, the buffer too short, or the stride no multiple of 4.
     #[must_use]
-    pub fn cleared(buffer: &'a mut [u32], width: u16, height: u16) -> Option<Self> {
-        const { assert!(SPAN == 3 * STRIDE + 4 && STRIDE.is_multiple_of(4)) };
-        let buffer = buffer.get_mut(..tone_words(STRIDE, height))?;
-        if usize::from(width) > STRIDE {
+    pub fn cleared(
+        buffer: &'a mut [u32],
+        stride: usize,
+        width: u16,
+        height: u16,
+    ) -> Option<Self> {
+        let most = usize::from(u16::MAX);
+        if stride == 0 || stride > most || !stride.is_multiple_of(4) || usize::from(width) > stride {
             return None;
         }
+        let buffer = buffer.get_mut(..tone_words(stride, height))?;
         #[cfg(rho_thumb)]
         super::stamp::clear(buffer);
         #[cfg(not(rho_thumb))]
         buffer.fill(0);
         Some(Self {
             pixels: bytemuck::cast_slice_mut(buffer),
+            stride,
             width,
             first: 0,
             height,
@@ -69,9 +75,14 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     /// The same for these rows of a frame alone: samples are drawn where a part of their window of
     /// four rows is among them.
     #[must_use]
-    pub fn band(buffer: &'a mut [u32], width: u16, rows: core::ops::Range<u16>) -> Option<Self> {
+    pub fn band(
+        buffer: &'a mut [u32],
+        stride: usize,
+        width: u16,
+        rows: core::ops::Range<u16>,
+    ) -> Option<Self> {
         let first = i32::from(rows.start);
-        let band = Self::cleared(buffer, width, rows.len() as u16)?;
+        let band = Self::cleared(buffer, stride, width, rows.len() as u16)?;
         Some(Self { first, ..band })
     }
 
@@ -101,8 +112,8 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
                     while self.fill_one(left) {
                         left -= 1;
                     }
-                    if pixel >= start + STRIDE {
-                        self.fill_one(pixel - STRIDE);
+                    if pixel >= start + self.stride {
+                        self.fill_one(pixel - self.stride);
                     }
                 }
             }
@@ -114,7 +125,7 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     /// `end` or more when there are none before that.
     fn next_to_fill(&self, from: usize, end: usize) -> usize {
         #[cfg(rho_thumb)]
-        if STRIDE == super::stamp::STRIDE {
+        if self.stride == super::stamp::STRIDE {
             return super::stamp::next_to_fill(self.pixels, from, end);
         }
         let mut at = from;
@@ -135,7 +146,7 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
             return false;
         }
         let beside = covered(at - 1) + covered(at + 1);
-        let neighbours = beside + covered(at - STRIDE) + covered(at + STRIDE);
+        let neighbours = beside + covered(at - self.stride) + covered(at + self.stride);
         // 3 and 4 have bit 2 when one more is counted.
         ((neighbours + COVERED) >> 2) & COVERED & !here != 0
     }
@@ -147,11 +158,11 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
             return false;
         }
         let (left, right) = (pixel(at - 1), pixel(at + 1));
-        let (above, below) = (pixel(at - STRIDE), pixel(at + STRIDE));
+        let (above, below) = (pixel(at - self.stride), pixel(at + self.stride));
         if (left & 1) + (right & 1) + (above & 1) + (below & 1) < 3 {
             return false;
         }
-        let x = (at - margin(STRIDE)) % STRIDE;
+        let x = (at - margin(self.stride)) % self.stride;
         let inside = x > 0 && x + 1 < usize::from(self.width);
         if let Some(pixel) = self.pixels.get_mut(at).filter(|_| inside) {
             *pixel = if left & 1 == 1 { left } else { right };
@@ -162,9 +173,9 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     /// The pixels, rows from the top.
     pub fn rows(&self) -> impl Iterator<Item = &[u8]> {
         let width = usize::from(self.width);
-        let frame = self.pixels.get(margin(STRIDE)..).unwrap_or_default();
+        let frame = self.pixels.get(margin(self.stride)..).unwrap_or_default();
         frame
-            .chunks(STRIDE)
+            .chunks(self.stride)
             .take(self.height.into())
             .map(move |row| row.get(..width).unwrap_or_default())
     }
@@ -174,8 +185,8 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
         if y < 0 || y >= i32::from(self.height) {
             return None;
         }
-        let at = margin(STRIDE) + STRIDE * y as usize;
-        self.pixels.get(at..at + STRIDE)
+        let at = margin(self.stride) + self.stride * y as usize;
+        self.pixels.get(at..at + self.stride)
     }
 
     /// Of quarters: how many of those of pixel (x, y), from the first one here, are covered. All are in a gap
@@ -255,8 +266,13 @@ impl<'a, const STRIDE: usize, const SPAN: usize> Tones<'a, STRIDE, SPAN> {
     }
 
     #[inline(always)]
+    fn is_open_at(&self, at: usize) -> bool {
+        self.pixels.get(at).is_some_and(|pixel| pixel & 1 == 0)
+    }
+
+    #[inline(always)]
     fn at(&self, x: i32, y: i32) -> usize {
-        ((y - self.first) * STRIDE as i32 + x + margin(STRIDE) as i32) as usize
+        ((y - self.first) * self.stride as i32 + x + margin(self.stride) as i32) as usize
     }
 }
 
@@ -295,7 +311,7 @@ fn spread(mask: u32, row: usize) -> u32 {
     if row.is_multiple_of(2) { even } else { odd }
 }
 
-impl<const STRIDE: usize, const SPAN: usize> Canvas for Tones<'_, STRIDE, SPAN> {
+impl Canvas for Tones<'_> {
     fn size(&self) -> (u16, u16) {
         (self.width, self.height)
     }
@@ -307,7 +323,7 @@ impl<const STRIDE: usize, const SPAN: usize> Canvas for Tones<'_, STRIDE, SPAN> 
     #[cfg(rho_thumb)]
     #[inline(always)]
     fn bytes_beside_depths(&mut self) -> Option<&mut [u8]> {
-        let as_wide = STRIDE == super::stamp::STRIDE && usize::from(self.width) == STRIDE;
+        let as_wide = self.stride == super::stamp::STRIDE && usize::from(self.width) == self.stride;
         (as_wide && self.first == 0).then_some(&mut *self.pixels)
     }
 
@@ -330,28 +346,29 @@ impl<const STRIDE: usize, const SPAN: usize> Canvas for Tones<'_, STRIDE, SPAN> 
     }
 }
 
-impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SPAN> {
+impl Visibility for Tones<'_> {
     const FRONT_TO_BACK: bool = true;
 
     /// The middle and the corners are asked first: of what shows, one of them is mostly open.
     #[inline(always)]
     fn is_hidden(&self, r: Rect) -> bool {
-        let (mx, my) = (r.x0.midpoint(r.x1), r.y0.midpoint(r.y1));
-        if self.is_open(mx, my)
-            || self.is_open(r.x0, r.y0)
-            || self.is_open(r.x1, r.y0)
-            || self.is_open(r.x0, r.y1)
-            || self.is_open(r.x1, r.y1)
+        let mut at = self.at(r.x0 as i32, r.y0 as i32);
+        let (right, rows) = ((r.x1 - r.x0) as usize, (r.y1 - r.y0) as usize);
+        let below = rows * self.stride;
+        if self.is_open_at(at + rows / 2 * self.stride + right / 2)
+            || self.is_open_at(at)
+            || self.is_open_at(at + right)
+            || self.is_open_at(at + below)
+            || self.is_open_at(at + below + right)
         {
             return false;
         }
-        let count = (r.x1 - r.x0 + 1) as usize;
-        let mut at = self.at(r.x0 as i32, r.y0 as i32);
+        let count = right + 1;
         #[cfg(rho_thumb)]
-        if STRIDE == super::stamp::STRIDE && count >= 8 {
-            return super::stamp::is_covered(self.pixels, at, count, (r.y1 - r.y0 + 1) as usize);
+        if count >= 8 {
+            return super::stamp::is_covered(self.pixels, self.stride, at, count, rows + 1);
         }
-        for _ in r.y0..r.y1 + 1 {
+        for _ in 0..=rows {
             let row = self.pixels.get(at..at + count).unwrap_or_default();
             // Four pixels at a time; the last four may have been looked at before.
             let covered = match row.last_chunk() {
@@ -367,15 +384,14 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
             if covered & COVERED != COVERED {
                 return false;
             }
-            at += STRIDE;
+            at += self.stride;
         }
         true
     }
 
     #[inline(always)]
     fn is_open(&self, x: u32, y: u32) -> bool {
-        let at = self.at(x as i32, y as i32);
-        self.pixels.get(at).is_some_and(|pixel| pixel & 1 == 0)
+        self.is_open_at(self.at(x as i32, y as i32))
     }
 
     #[inline(always)]
@@ -392,7 +408,7 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
                     *pixel = tone;
                 }
             }
-            at += STRIDE;
+            at += self.stride;
         }
     }
 
@@ -446,9 +462,10 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
 
     #[cfg(rho_thumb)]
     fn bytes(&mut self) -> Option<Bytes<'_>> {
-        let band = match STRIDE / super::stamp::STRIDE {
-            1 if STRIDE == super::stamp::STRIDE => None,
-            2 if STRIDE == 2 * super::stamp::STRIDE => Some(self.first),
+        const BAND: usize = 2 * super::stamp::STRIDE;
+        let band = match self.stride {
+            super::stamp::STRIDE => None,
+            BAND => Some(self.first),
             _ => return None,
         };
         Some(Bytes {
@@ -467,22 +484,20 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
     #[inline(always)]
     fn holds(&self, x: i32, y: i32) -> bool {
         let from = self.pixels.get(self.at(x, y)..);
-        from.is_some_and(|from| from.len() >= SPAN)
+        from.is_some_and(|from| from.len() >= margin(self.stride))
     }
 
     #[inline(always)]
     fn stamp(&mut self, stamp: Stamp, mask: impl FnOnce() -> u32, colour: impl Fn() -> u16) {
-        let from = stamp.corner.wrapping_add(stamp.y * STRIDE as u32 + stamp.x) as usize;
-        let Some(window) = self
-            .pixels
-            .get_mut(from..)
-            .and_then(|from| from.first_chunk_mut::<SPAN>())
-        else {
+        let from = stamp.corner.wrapping_add(stamp.y * self.stride as u32 + stamp.x) as usize;
+        let stride = self.stride;
+        let window = self.pixels.get_mut(from..from.wrapping_add(margin(stride)));
+        let Some(window) = window else {
             return;
         };
         if stamp.away {
             let open = |row: usize| {
-                let pixels = window.get(row * STRIDE..).and_then(|row| row.first_chunk());
+                let pixels = window.get(row * stride..).and_then(|row| row.first_chunk());
                 spread(stamp.within, row) & !pixels.map_or(COVERED, |pixels| word(*pixels))
             };
             if open(stamp.rows / 2 - 1) | open(stamp.rows / 2) == 0 {
@@ -494,11 +509,8 @@ impl<const STRIDE: usize, const SPAN: usize> Visibility for Tones<'_, STRIDE, SP
             return;
         }
         let tone = u32::from(colour());
-        for row in 0..stamp.rows {
-            let Some(pixels) = window
-                .get_mut(row * STRIDE..)
-                .and_then(|row| row.first_chunk_mut::<4>())
-            else {
+        for (row, pixels) in (0..stamp.rows).zip(window.chunks_mut(stride)) {
+            let Some(pixels) = pixels.first_chunk_mut::<4>() else {
                 return;
             };
             let old = word(*pixels);
@@ -513,9 +525,7 @@ mod tests {
     use super::*;
     extern crate std;
 
-    type Small<'a> = Tones<'a, 12, 40>;
-
-    fn at(tones: &Small<'_>, x: i32, y: i32) -> Stamp {
+    fn at(tones: &Tones<'_>, x: i32, y: i32) -> Stamp {
         Stamp {
             corner: tones.corner(x, y),
             x: 0,
@@ -530,7 +540,7 @@ mod tests {
     #[test]
     fn the_first_tone_keeps_the_pixel_and_neighbours_keep_theirs() {
         let mut buffer = [0; tone_words(12, 6)];
-        let mut tones = Small::cleared(&mut buffer, 10, 6).unwrap();
+        let mut tones = Tones::cleared(&mut buffer, 12, 10, 6).unwrap();
         tones.stamp(at(&tones, 2, 1), || 0b0110_1111_1111_0110, || 5);
         let two = Stamp {
             rows: 2,
@@ -547,14 +557,14 @@ mod tests {
     #[test]
     fn a_pixel_among_covered_ones_is_filled_and_others_are_not() {
         let mut buffer = [0; tone_words(12, 6)];
-        let mut tones = Small::cleared(&mut buffer, 12, 6).unwrap();
+        let mut tones = Tones::cleared(&mut buffer, 12, 12, 6).unwrap();
         let all = Rect {
             x0: 0,
             x1: 11,
             y0: 0,
             y1: 5,
         };
-        let cover = |tones: &mut Small<'_>, x, y, tone| {
+        let cover = |tones: &mut Tones<'_>, x, y, tone| {
             tones.draw(
                 Rect {
                     x0: x,
@@ -582,8 +592,8 @@ mod tests {
     }
 
     /// A frame of 12 x 6 in which all but these are covered.
-    fn all_but<'a>(buffer: &'a mut [u32], open: &[(u32, u32)]) -> Small<'a> {
-        let mut tones = Small::cleared(buffer, 12, 6).unwrap();
+    fn all_but<'a>(buffer: &'a mut [u32], open: &[(u32, u32)]) -> Tones<'a> {
+        let mut tones = Tones::cleared(buffer, 12, 12, 6).unwrap();
         for (x, y) in (0..12).flat_map(|x| (0..6).map(move |y| (x, y))) {
             if !open.contains(&(x, y)) {
                 tones.paint(x, y, 5);
@@ -592,7 +602,7 @@ mod tests {
         tones
     }
 
-    fn open(tones: &Small<'_>) -> usize {
+    fn open(tones: &Tones<'_>) -> usize {
         tones
             .rows()
             .flatten()
@@ -673,7 +683,7 @@ mod tests {
     #[test]
     fn a_window_may_stick_out_of_every_corner() {
         let mut buffer = [0; tone_words(12, 6)];
-        let mut tones = Small::cleared(&mut buffer, 12, 6).unwrap();
+        let mut tones = Tones::cleared(&mut buffer, 12, 12, 6).unwrap();
         for (x, y) in [(-2, -2), (10, -2), (-2, 4), (10, 4)] {
             let inside =
                 |bit: i32| (0..12).contains(&(x + bit % 4)) && (0..6).contains(&(y + bit / 4));

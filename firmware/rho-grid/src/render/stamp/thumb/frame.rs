@@ -35,9 +35,15 @@ pub(in crate::render) fn clear(words: &mut [u32]) {
     rest.fill(0);
 }
 
-/// Whether all pixels are covered of `rows` rows of `count` from `from` on; both at least 8 and 1.
-pub(in crate::render) fn is_covered(pixels: &[u8], from: usize, count: usize, rows: usize) -> bool {
-    let last = from + rows.saturating_sub(1) * STRIDE + count;
+/// Whether all pixels are covered of `rows` rows of `count` from `from` on, `stride` apart; both at least 1 and 8.
+pub(in crate::render) fn is_covered(
+    pixels: &[u8],
+    stride: usize,
+    from: usize,
+    count: usize,
+    rows: usize,
+) -> bool {
+    let last = from + rows.saturating_sub(1) * stride + count;
     if count < 8 || rows == 0 || last > pixels.len() {
         return false;
     }
@@ -62,12 +68,13 @@ pub(in crate::render) fn is_covered(pixels: &[u8], from: usize, count: usize, ro
             "bne 3b",
             "bics {all}, {bits}, {all}",
             "bne 4f",
-            "add {at}, {at}, #240",
+            "add {at}, {at}, {stride}",
             "subs {left}, {left}, #1",
             "bne 2b",
             "4:",
             at = inout(reg) pixels.as_ptr().wrapping_add(from) => _,
             count = in(reg) count,
+            stride = in(reg) stride,
             left = inout(reg) left,
             bits = in(reg) 0x0101_0101,
             all = out(reg) _,
