@@ -178,8 +178,8 @@ pub fn render_from(
     } else if mode.frame == FrameMode::Tones {
         let stride = usize::from(width).next_multiple_of(4);
         let mut buffer = vec![0; tone_words(stride, height)];
-        let mut frame =
-            Tones::cleared(&mut buffer, stride, width, height).ok_or_else(|| internal("frame size"))?;
+        let mut frame = Tones::cleared(&mut buffer, stride, width, height)
+            .ok_or_else(|| internal("frame size"))?;
         stage.tones(arrangement.turns(), towards, &mut tones, &mut frame, None)?;
         let tones = frame.rows().flatten();
         words = tones.map(|tone| palette.colour(*tone)).collect();

@@ -108,8 +108,8 @@ impl<'a> Scene<'a> {
     /// The frame with rows of `stride` bytes, filled.
     fn drawn(&self, stride: usize) -> Vec<u8> {
         let mut buffer = vec![u32::MAX; tone_words(stride, self.height)];
-        let mut tones = Tones::cleared(&mut buffer, stride, self.width, self.height)
-            .expect("the frame fits");
+        let mut tones =
+            Tones::cleared(&mut buffer, stride, self.width, self.height).expect("the frame fits");
         if let Some(reach) = self.draw(&mut tones) {
             tones.fill(reach);
         }

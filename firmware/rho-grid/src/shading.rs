@@ -291,6 +291,28 @@ pub(crate) fn even_tones(tones: &mut [u8; COUNT], materials: usize, towards: [Un
     }
 }
 
+/// As [`even_tones`], of every fourth normal and of all materials side by side: eight bytes a normal, in words.
+pub(crate) fn even_tones_of_several(tones: &mut [[u32; 2]], materials: usize, towards: [Unit; 3]) {
+    let steps = steps(materials) as i32;
+    let light = towards.map(|c| (i32::from(c.to_bits()) * (steps - 1)) >> 6);
+    let materials: [u32; 2] = [0u32, 4].map(|first| {
+        let tone = |m: u32| (2 * steps as u32 * (first + m)) & 255;
+        tone(0) | tone(1) << 8 | tone(2) << 16 | tone(3) << 24
+    });
+    for (octant, tones) in tones.chunks_exact_mut(OCTANT / 4).enumerate() {
+        let turned = |axis: usize, c: i32| if octant >> (2 - axis) & 1 == 1 { -c } else { c };
+        let [lx, ly, lz] = light;
+        let (lx, ly, lz) = (turned(0, lx), turned(1, ly), turned(2, lz));
+        for (pair, face) in tones.iter_mut().zip(FACES.iter().step_by(4)) {
+            let [x, y, z] = face.map(i32::from);
+            let sum = x * lx + y * ly + z * lz;
+            let tone = ((sum + (1 << 21)) >> 21).clamp(0, 255) as u32 | 1;
+            // Of eight materials each has 16 steps: no sum is carried into the next byte of those that there are.
+            *pair = materials.map(|m| m.wrapping_add(tone * 0x0101_0101));
+        }
+    }
+}
+
 /// Steps from dark to bright of each of `materials`.
 pub(crate) const fn steps(materials: usize) -> usize {
     match materials {
@@ -468,6 +490,23 @@ mod tests {
                 assert_eq!(tone & 1, 1);
                 let step = f64::from(tone >> 1);
                 assert!((step - dot.max(0.0) * last).abs() < 0.62, "{index}: {step}");
+            }
+        }
+    }
+
+    #[test]
+    fn several_materials_side_by_side_have_the_tones_of_each_of_them() {
+        let towards = [-0.48, 0.6, 0.64f64].map(|v| Unit::from_bits((v * 16384.0).round() as i16));
+        for materials in [2, 3, 8] {
+            let (mut one, mut several) = ([0; COUNT], [[0; 2]; COUNT / 4]);
+            even_tones(&mut one, materials, towards);
+            even_tones_of_several(&mut several, materials, towards);
+            for (normal, pair) in several.iter().enumerate() {
+                let tones: &[u8] = bytemuck::cast_slice(pair);
+                for (m, tone) in tones.iter().take(materials).enumerate() {
+                    let alone = usize::from(one[4 * normal]) + 2 * steps(materials) * m;
+                    assert_eq!(usize::from(*tone), alone, "{normal} {m} of {materials}");
+                }
             }
         }
     }

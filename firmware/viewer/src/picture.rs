@@ -276,8 +276,7 @@ impl<'a> Model<'a> {
                     Tones::band(tones, QUARTERS, 2 * camera.width, rows.clone())
                 })
                 .ok_or(ModelError::TooLarge)?;
-            let reach =
-                instances.draw::<Preset<true, true>, _>(&mut band, Some(&rows), watch)?;
+            let reach = instances.draw::<Preset<true, true>, _>(&mut band, Some(&rows), watch)?;
             watch.time(Phase::Fill, || {
                 blend.rows(&band, words, camera.width, reach);
             });

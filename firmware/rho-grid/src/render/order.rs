@@ -72,50 +72,55 @@ const fn outwards(rho: u32, eye: u32, bits: u32) -> Few {
     Few(few)
 }
 
-/// Orders along an axis for one rho.
-struct Axis<const RHO: usize>;
-
+/// Orders along an axis: `AXES[rho - 2][eye's slab][bits]`, those of the slabs that `bits` names. Rows beyond rho are
+/// empty.
 #[allow(
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, where an index out of range is an error"
 )]
-impl<const RHO: usize> Axis<RHO> {
-    /// `ROWS[eye's slab][bits]`: those of the slabs that `bits` names. Rows beyond rho are empty.
-    const ROWS: [[Few; 32]; 8] = {
-        let mut rows = [[Few(0); 32]; 8];
+static AXES: [[[Few; 32]; 8]; 4] = {
+    let mut axes = [[[Few(0); 32]; 8]; 4];
+    let mut rho = 2;
+    while rho <= 5 {
         let mut eye = 0;
-        while eye < RHO {
+        while eye < rho {
             let mut bits = 0;
-            while bits < 1 << RHO {
-                rows[eye][bits] = outwards(RHO as u32, eye as u32, bits as u32);
+            while bits < 1 << rho {
+                axes[rho - 2][eye][bits] = outwards(rho as u32, eye as u32, bits as u32);
                 bits += 1;
             }
             eye += 1;
         }
-        rows
-    };
-}
+        rho += 1;
+    }
+    axes
+};
 
 /// The order of a cell's subcells for one place of the eye.
 #[derive(Clone, Copy)]
-pub(super) struct Order<const RHO: usize> {
+pub(super) struct Order {
+    rho: u32,
     along_x: &'static [Few; 32],
     along_y: Few,
     along_z: Few,
 }
 
-impl<const RHO: usize> Order<RHO> {
-    /// `eye` is the eye's slab along each axis, any number below 0 or beyond RHO - 1 when it is
-    /// outside.
+impl Order {
+    /// Of a cell divided by `rho`; `eye` is the eye's slab along each axis, any number below 0 or beyond rho - 1
+    /// when it is outside.
     #[inline(always)]
-    pub(super) fn new(eye: [i32; 3]) -> Self {
+    pub(super) fn new(rho: u8, eye: [i32; 3]) -> Self {
+        let [first, ..] = &AXES;
+        let axis = AXES.get(usize::from(rho).wrapping_sub(2)).unwrap_or(first);
+        let rho = u32::from(rho);
         let along = |eye: i32| {
-            let eye = eye.clamp(0, RHO as i32 - 1) as usize & 7;
-            Axis::<RHO>::ROWS.get(eye).unwrap_or(&[Few(0); 32])
+            let eye = eye.clamp(0, rho as i32 - 1) as usize & 7;
+            axis.get(eye).unwrap_or(&[Few(0); 32])
         };
-        let all = |rows: &[Few; 32]| rows.get((1 << RHO) - 1).copied().unwrap_or(Few(0));
+        let all = |rows: &[Few; 32]| rows.get((1 << rho & 63) - 1).copied().unwrap_or(Few(0));
         let [x, y, z] = eye;
         Self {
+            rho,
             along_x: along(x),
             along_y: all(along(y)),
             along_z: all(along(z)),
@@ -125,16 +130,18 @@ impl<const RHO: usize> Order<RHO> {
     /// The slabs along z that are not empty, and their bits.
     #[inline(always)]
     pub(super) fn planes(self, mask: &[u32; 4]) -> impl Iterator<Item = (u32, u32)> {
+        let rho = self.rho;
         self.along_z
-            .map(|(k, _)| (k, plane::<RHO>(mask, k as usize)))
+            .map(move |(k, _)| (k, plane(rho, mask, k)))
             .filter(|(_, plane)| *plane != 0)
     }
 
     /// The rows of a slab that are not empty, and their bits.
     #[inline(always)]
     pub(super) fn rows(self, plane: u32) -> impl Iterator<Item = (u32, u32)> {
+        let rho = self.rho;
         self.along_y
-            .map(move |(j, _)| (j, (plane >> ((RHO as u32 * j) & 31)) & ((1 << RHO) - 1)))
+            .map(move |(j, _)| (j, (plane >> ((rho * j) & 31)) & ((1 << (rho & 31)) - 1)))
             .filter(|(_, row)| *row != 0)
     }
 
@@ -147,15 +154,38 @@ impl<const RHO: usize> Order<RHO> {
             .unwrap_or(Few(0))
     }
 
-    /// Takes all subcells in `mask`: its place and what is listed of it.
+    /// The first subcell of row (j, k).
     #[inline(always)]
-    pub(super) fn each(self, mask: &[u32; 4], mut take: impl FnMut([u32; 3], Listed)) {
-        let rho = RHO as u32;
+    pub(super) fn row(self, j: u32, k: u32) -> u32 {
+        self.rho * (j + self.rho * k)
+    }
+
+    /// Takes all subcells in `mask` of a cell divided by `rho`, the eye in this slab ([`Self::new`]): its place and
+    /// what is listed of it. Each rho has a loop of its own.
+    #[inline(always)]
+    pub(super) fn of_each(
+        rho: u8,
+        eye: [i32; 3],
+        mask: &[u32; 4],
+        take: impl FnMut([u32; 3], Listed),
+    ) {
+        match rho {
+            2 => Self::new(2, eye).each(mask, take),
+            3 => Self::new(3, eye).each(mask, take),
+            4 => Self::new(4, eye).each(mask, take),
+            _ => Self::new(5, eye).each(mask, take),
+        }
+    }
+
+    /// Takes all subcells in `mask`.
+    #[inline(always)]
+    fn each(self, mask: &[u32; 4], mut take: impl FnMut([u32; 3], Listed)) {
+        let rho = self.rho;
         for (k, plane) in self.planes(mask) {
             let before = rank(mask, (rho * rho * k) as u8);
             for (j, row) in self.rows(plane) {
                 let before = before + (plane & ((1 << (rho * j)) - 1)).count_ones();
-                let first = rho * (j + rho * k);
+                let first = self.row(j, k);
                 for (i, rank) in self.cells(row) {
                     take([i, j, k], Listed::new(first + i, before + rank));
                 }
@@ -163,11 +193,11 @@ impl<const RHO: usize> Order<RHO> {
         }
     }
 
-    /// Lists all subcells in `mask`; returns how many there are.
+    /// Lists all subcells in `mask`, as [`Self::of_each`] takes them; returns how many there are.
     #[inline(always)]
-    pub(super) fn list(self, mask: &[u32; 4], list: &mut List) -> usize {
+    pub(super) fn list(rho: u8, eye: [i32; 3], mask: &[u32; 4], list: &mut List) -> usize {
         let mut count = 0;
-        self.each(mask, |_, listed| {
+        Self::of_each(rho, eye, mask, |_, listed| {
             if let Some(entry) = list.get_mut(count) {
                 *entry = listed;
                 count += 1;
@@ -179,20 +209,16 @@ impl<const RHO: usize> Order<RHO> {
 
 /// The bits of slab `k` along z.
 #[inline(always)]
-fn plane<const RHO: usize>(mask: &[u32; 4], k: usize) -> u32 {
-    if RHO <= 3 {
+fn plane(rho: u32, mask: &[u32; 4], k: u32) -> u32 {
+    let bit = rho * rho * k;
+    let all = (1 << (rho * rho & 31)) - 1;
+    if rho <= 3 {
         let [low, ..] = *mask;
-        return (low >> ((RHO * RHO * k) & 31)) & ((1 << (RHO * RHO)) - 1);
+        return (low >> (bit & 31)) & all;
     }
-    let bit = RHO * RHO * k;
-    let word = |i: usize| mask.get(i).copied().unwrap_or(0);
-    let low = word(bit / 32) >> (bit % 32);
-    let high = if RHO == 5 && !bit.is_multiple_of(32) {
-        word(bit / 32 + 1) << (32 - bit % 32)
-    } else {
-        0
-    };
-    (low | high) & ((1 << (RHO * RHO)) - 1)
+    let word = |i: u32| u64::from(mask.get(i as usize).copied().unwrap_or(0));
+    let both = word(bit / 32 + 1) << 32 | word(bit / 32);
+    (both >> (bit % 32)) as u32 & all
 }
 
 /// How many subcells in `mask` come before `subcell` in the numbering of children.
@@ -243,15 +269,15 @@ mod tests {
     extern crate std;
     use proptest::prelude::*;
 
-    fn check<const RHO: usize>(mask: u128, eye: [i32; 3]) {
-        let cells = RHO.pow(3) as u32;
+    fn check(rho: u8, mask: u128, eye: [i32; 3]) {
+        let cells = u32::from(rho).pow(3);
         let mask = mask & (u128::MAX >> (128 - cells));
         let words = [0, 32, 64, 96].map(|s| (mask >> s) as u32);
         let mut entries = [Listed::default(); MAX_SUBCELLS];
-        let count = Order::<RHO>::new(eye).list(&words, &mut entries);
+        let count = Order::list(rho, eye, &words, &mut entries);
         assert_eq!(count as u32, mask.count_ones());
         let listed = &entries[..count];
-        let inside = eye.map(|e| e.clamp(0, RHO as i32 - 1));
+        let inside = eye.map(|e| e.clamp(0, i32::from(rho) - 1));
         let between = |a: i32, b: i32, eye: i32| (eye <= a && a <= b) || (b <= a && a <= eye);
         for (at, entry) in listed.iter().enumerate() {
             let n = entry.subcell();
@@ -259,9 +285,9 @@ mod tests {
             assert_eq!(entry.rank(), (mask & ((1 << n) - 1)).count_ones());
             assert_eq!(entry.rank(), rank(&words, n));
             // Nothing that could hide it comes later.
-            let me = place(RHO as u8, n);
+            let me = place(rho, n);
             for later in &listed[at + 1..] {
-                let other = place(RHO as u8, later.subcell());
+                let other = place(rho, later.subcell());
                 let hides = (0..3).all(|d| between(other[d], me[d], inside[d]));
                 assert!(!hides, "{other:?} hides {me:?} from {inside:?}");
             }
@@ -273,10 +299,9 @@ mod tests {
         fn what_hides_comes_before_what_is_hidden(
             mask: u128, eye in prop::array::uniform3(-2..7i32)
         ) {
-            check::<2>(mask, eye);
-            check::<3>(mask, eye);
-            check::<4>(mask, eye);
-            check::<5>(mask, eye);
+            for rho in 2..=5 {
+                check(rho, mask, eye);
+            }
         }
     }
 }

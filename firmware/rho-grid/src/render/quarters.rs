@@ -68,13 +68,7 @@ impl Blend {
     /// The pixels of a band, RGB565, into `words`, the frame from the band's first row on: `width`
     /// a row, half of the band's. Each is the mean of its four quarters, of those that
     /// [`Tones::quarters`] counts as covered. Nothing is drawn beyond `reach`, in quarters of the frame.
-    pub fn rows(
-        &self,
-        band: &Tones<'_>,
-        words: &mut [u16],
-        width: u16,
-        reach: Option<Rect>,
-    ) {
+    pub fn rows(&self, band: &Tones<'_>, words: &mut [u16], width: u16, reach: Option<Rect>) {
         let background = Addend::mean([self.of(0); 4]);
         let columns = reach.map_or(0..0, |r| r.x0 as usize / 4..r.x1 as usize / 4 + 1);
         let reached = reach.map_or(0..0, |r| r.y0 / 2..r.y1 / 2 + 1);

@@ -48,14 +48,10 @@ impl<'a> Tones<'a> {
     /// A frame in a buffer of [`tone_words`] words, cleared, `stride` bytes from row to row; `None` when the picture
     /// is wider than that, the buffer too short, or the stride no multiple of 4.
     #[must_use]
-    pub fn cleared(
-        buffer: &'a mut [u32],
-        stride: usize,
-        width: u16,
-        height: u16,
-    ) -> Option<Self> {
+    pub fn cleared(buffer: &'a mut [u32], stride: usize, width: u16, height: u16) -> Option<Self> {
         let most = usize::from(u16::MAX);
-        if stride == 0 || stride > most || !stride.is_multiple_of(4) || usize::from(width) > stride {
+        if stride == 0 || stride > most || !stride.is_multiple_of(4) || usize::from(width) > stride
+        {
             return None;
         }
         let buffer = buffer.get_mut(..tone_words(stride, height))?;
@@ -489,7 +485,9 @@ impl Visibility for Tones<'_> {
 
     #[inline(always)]
     fn stamp(&mut self, stamp: Stamp, mask: impl FnOnce() -> u32, colour: impl Fn() -> u16) {
-        let from = stamp.corner.wrapping_add(stamp.y * self.stride as u32 + stamp.x) as usize;
+        let from = stamp
+            .corner
+            .wrapping_add(stamp.y * self.stride as u32 + stamp.x) as usize;
         let stride = self.stride;
         let window = self.pixels.get_mut(from..from.wrapping_add(margin(stride)));
         let Some(window) = window else {

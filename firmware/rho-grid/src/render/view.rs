@@ -121,13 +121,13 @@ pub(super) struct Steps {
 pub(super) struct Slabs([[Step; 8]; 3]);
 
 impl Steps {
-    /// The slabs of the cells that are divided by `RHO`.
+    /// The slabs of the cells that are divided by `rho`.
     #[inline(always)]
-    pub(super) fn slabs<const RHO: usize>(&self) -> Slabs {
+    pub(super) fn slabs(&self, rho: u8) -> Slabs {
         let mut slabs = Slabs::default();
         for (axis, step) in slabs.0.iter_mut().zip(self.steps) {
-            for (slab, at) in axis.iter_mut().take(RHO).enumerate() {
-                let odd = 2 * slab as i32 + 1 - RHO as i32;
+            for (slab, at) in axis.iter_mut().take(rho.into()).enumerate() {
+                let odd = 2 * slab as i32 + 1 - i32::from(rho);
                 *at = Step {
                     x: (odd * step.x) >> 1,
                     y: (odd * step.y) >> 1,

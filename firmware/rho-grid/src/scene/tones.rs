@@ -15,7 +15,7 @@ use crate::mode::ShadowMode;
 use crate::normal::{COUNT, FACES, normal, signed};
 use crate::q::Unit;
 use crate::quantise::{Quantiser, Rgb, TONES, pack};
-use crate::shading::{Palette, Shade, even_tones, steps};
+use crate::shading::{Palette, Shade, even_tones, even_tones_of_several, steps};
 use crate::unlit::{self, Unlit};
 
 /// Steps of light on a material without highlight, under one light.
@@ -184,17 +184,27 @@ impl SceneTones {
     /// Makes the table of an instance, the blob's first light being towards `first`.
     ///
     /// It has 2,048 normals, or 512 for grids so coarse that neighbouring cells differ more than
-    /// neighbouring normals do. A blob of one model has the even tones of its materials, of 8,192
-    /// normals.
+    /// neighbouring normals do. A blob of one model has the even tones of its materials, of as many normals as its
+    /// words name.
     pub fn shade(&mut self, blob: &Blob<'_>, placed: &Placed<'_>, first: [Unit; 3]) {
         let layout = placed.grid.layout();
         if is_plain(blob) {
             let materials = blob.materials().len();
-            self.fields = Fields::of_one(layout, 2 * steps(materials) as u16);
+            let several = materials > 1 && layout.material > 0 && layout.normal <= 11;
+            self.fields = if several {
+                Fields::of_several(layout)
+            } else {
+                Fields::of_one(layout, 2 * steps(materials) as u16)
+            };
             self.unlit_by = Unlit::ALIKE;
             let [unlit, ..] = &mut self.unlit;
             for (unlit, material) in unlit.iter_mut().zip(0..) {
                 *unlit = (2 * steps(materials) * material + 1) as u8;
+            }
+            if several {
+                let (normals, _) = self.table.as_chunks_mut();
+                even_tones_of_several(normals, materials, first);
+                return;
             }
             let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut self.table);
             if let Some(tones) = bytes.first_chunk_mut() {

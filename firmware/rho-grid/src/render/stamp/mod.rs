@@ -367,13 +367,13 @@ impl<'a, 'g, W> Parents<'a, 'g, W> {
         }
     }
 
-    /// Adds the parents in `mask` of a block divided by `RHO`; `eye` is the eye's slab among all their subcells.
+    /// Adds the parents in `mask` of a block divided by `rho`; `eye` is the eye's slab among all their subcells.
     #[inline(never)]
-    pub(super) fn list<const RHO: usize>(&mut self, mask: [u32; 4], eye: [i32; 3]) {
+    pub(super) fn list(&mut self, rho: u8, mask: [u32; 4], eye: [i32; 3]) {
         // Of each axis, how many of the parents have the eye beyond their middle.
         let [beyond_x, beyond_y, beyond_z] = eye.map(|e| (e + 1).div_euclid(3).max(0) as u32);
         let eye_of_parents = eye.map(|e| e.div_euclid(3));
-        order::Order::<RHO>::new(eye_of_parents).each(&mask, |[i, j, k], listed| {
+        order::Order::of_each(rho, eye_of_parents, &mask, |[i, j, k], listed| {
             let order = Order::new([i < beyond_x, j < beyond_y, k < beyond_z]);
             self.push(listed.subcell().into(), listed.rank(), order);
         });

@@ -61,9 +61,9 @@ impl Open {
 
     /// Lists the children of `node` in order; returns their mask.
     #[inline(never)]
-    fn order<const RHO: usize>(&mut self, nodes: &Level<'_>, node: u32, eye: [i32; 3]) -> [u32; 4] {
-        let mask = nodes.mask::<RHO>(node);
-        self.count = Order::<RHO>::new(eye).list(&mask, &mut self.list) as u8;
+    fn order(&mut self, nodes: &Level<'_>, node: u32, eye: [i32; 3]) -> [u32; 4] {
+        let mask = nodes.mask_any(node);
+        self.count = Order::list(nodes.rho, eye, &mask, &mut self.list) as u8;
         mask
     }
 }
@@ -86,7 +86,7 @@ struct Group {
 
 impl Group {
     #[inline(always)]
-    fn stencil<F: Footprint, const RHO: usize>(&self, inside: bool) -> Stencil<F> {
+    fn stencil<F: Footprint>(&self, rho: u8, inside: bool) -> Stencil<F> {
         // Of discs, what any of them may reach.
         let half = if F::DISCS {
             self.discs.reach()
@@ -94,7 +94,7 @@ impl Group {
             self.steps.half
         };
         Stencil {
-            slabs: self.steps.slabs::<RHO>(),
+            slabs: self.steps.slabs(rho),
             footprint: F::of::<16>(half.x, half.y),
             discs: self.discs,
             inside,
@@ -270,12 +270,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             return false;
         }
         let eye = self.eye_slab(children, cell.place, i32::from(nodes.rho));
-        let mask = match nodes.rho {
-            2 => open.order::<2>(nodes, cell.node, eye),
-            3 => open.order::<3>(nodes, cell.node, eye),
-            4 => open.order::<4>(nodes, cell.node, eye),
-            _ => open.order::<5>(nodes, cell.node, eye),
-        };
+        let mask = open.order(nodes, cell.node, eye);
 
         let own = Half {
             x: cell.bounds.half_x,
@@ -301,18 +296,10 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             let Some(group) = self.group::<F, R>(level, level + 1, axis, own, w, 2) else {
                 return true;
             };
-            match nodes.rho {
-                2 => self.alone::<F, 2>(open.first_child, mask, &cell, level, &group),
-                3 => self.alone::<F, 3>(open.first_child, mask, &cell, level, &group),
-                4 => self.alone::<F, 4>(open.first_child, mask, &cell, level, &group),
-                _ => self.alone::<F, 5>(open.first_child, mask, &cell, level, &group),
-            }
+            self.alone::<F>(open.first_child, mask, nodes.rho, &cell, level, &group);
             return false;
         }
         // A block: every child is opened, every grandchild is drawn.
-        let Some(below) = self.grid.levels().get(level + 1) else {
-            return true;
-        };
         if !drawn(level + 2) || children.stop_w <= w + dw {
             return true;
         }
@@ -321,12 +308,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         let Some(group) = self.group::<F, R>(level, level + 2, axis, own, w, rho) else {
             return true;
         };
-        match below.rho {
-            2 => self.block::<F, R, 2>(open, half, level, &group, bounds),
-            3 => self.block::<F, R, 3>(open, half, level, &group, bounds),
-            4 => self.block::<F, R, 4>(open, half, level, &group, bounds),
-            _ => self.block::<F, R, 5>(open, half, level, &group, bounds),
-        }
+        self.block::<F, R>(open, half, level, &group, bounds);
         false
     }
 
@@ -352,12 +334,13 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         Some(Group { steps, discs })
     }
 
-    /// Draws the children in `mask` of a cell of `level`, divided by `RHO`.
+    /// Draws the children in `mask` of a cell of `level`, divided by `rho`.
     #[inline(never)]
-    fn alone<F: Footprint, const RHO: usize>(
+    fn alone<F: Footprint>(
         &mut self,
         first_child: u32,
         mask: [u32; 4],
+        rho: u8,
         cell: &Cell,
         level: usize,
         group: &Group,
@@ -373,10 +356,10 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             first: self.first(level + 1) + first_child,
             mask,
         };
-        let eye = self.eye_slab(children, cell.place, RHO as i32);
+        let eye = self.eye_slab(children, cell.place, rho.into());
         let inside = self.is_inside(&cell.bounds, group.steps.half, self.view.rows);
-        let stencil = group.stencil::<F, RHO>(inside);
-        self.samples::<F, RHO>(&from, level, Order::new(eye), &stencil);
+        let stencil = group.stencil::<F>(rho, inside);
+        self.samples::<F>(&from, level, Order::new(rho, eye), &stencil);
     }
 
     /// The eye's slab among the subcells of a cell at `place`, if the order matters.
@@ -396,10 +379,10 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         [ex - px * rho, ey - py * rho, ez - pz * rho]
     }
 
-    /// Draws the grandchildren of an open cell of `level`, whose children are divided by `RHO`.
+    /// Draws the grandchildren of an open cell of `level`.
     ///
     /// Each child is projected exactly; within it, the block's steps lead to its subcells.
-    fn block<F: Footprint, R: Reciprocal, const RHO: usize>(
+    fn block<F: Footprint, R: Reciprocal>(
         &mut self,
         open: &Open,
         half: Half,
@@ -420,7 +403,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
 
         let overhang = self.level(level + 1).overhang;
         let inside = self.is_inside(bounds, group.steps.half, self.view.rows);
-        let stencil = group.stencil::<F, RHO>(inside);
+        let stencil = group.stencil::<F>(below.rho, inside);
         for &listed in open.list.iter().take(usize::from(open.count)) {
             let subcell = listed.subcell();
             let Some(d) = displacements.get(usize::from(subcell)) else {
@@ -447,7 +430,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             let node = open.first_child + listed.rank();
             let [i, j, k] = order::place(nodes.rho, subcell);
             let place = [ox + i, oy + j, oz + k];
-            let eye = self.eye_slab(grandchildren, place, RHO as i32);
+            let eye = self.eye_slab(grandchildren, place, below.rho.into());
             let from = Parent {
                 centre: Step {
                     x: x << 8,
@@ -456,19 +439,19 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
                 place,
                 w: centre.w,
                 first: first + below.first_child(node),
-                mask: below.mask::<RHO>(node),
+                mask: below.mask_any(node),
             };
-            self.samples::<F, RHO>(&from, level + 1, Order::new(eye), &stencil);
+            self.samples::<F>(&from, level + 1, Order::new(below.rho, eye), &stencil);
         }
     }
 
     /// Draws all children of a cell of `level`.
     #[inline(always)]
-    fn samples<F: Footprint, const RHO: usize>(
+    fn samples<F: Footprint>(
         &mut self,
         parent: &Parent,
         level: usize,
-        order: Order<RHO>,
+        order: Order,
         stencil: &Stencil<F>,
     ) {
         let view = self.view;
@@ -482,11 +465,12 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             let from = parent.centre.plus(slabs.along::<2>(k));
             for (j, row) in order.rows(plane) {
                 let from = from.plus(slabs.along::<1>(j));
-                let subcells = RHO as u32 * (j + RHO as u32 * k);
-                for (i, _) in order.cells(row) {
+                let subcells = order.row(j, k);
+                let first = parent.first + order::rank(&parent.mask, subcells as u8);
+                for (i, rank) in order.cells(row) {
                     let at = from.plus(slabs.along::<0>(i));
                     let subcell = (subcells + i) as u8;
-                    let word = || grid.attribute(parent.first + order::rank(&parent.mask, subcell));
+                    let word = || grid.attribute(first + rank);
                     let place = |(place, displacements): (u32, &[u32])| {
                         let d = displacements.get(usize::from(subcell)).copied();
                         place.wrapping_add(d.unwrap_or(0))

@@ -91,14 +91,11 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             &mut self.parents,
         );
         match nodes.rho {
-            2 => parents.list::<2>(nodes.mask::<2>(cell.node), eye),
             3 if eye.iter().all(|e| *e < 1 || *e > 7) => {
                 let [mask, ..] = nodes.mask::<3>(cell.node);
                 parents.outside(mask, eye.map(|e| e > 7));
             }
-            3 => parents.list::<3>(nodes.mask::<3>(cell.node), eye),
-            4 => parents.list::<4>(nodes.mask::<4>(cell.node), eye),
-            _ => parents.list::<5>(nodes.mask::<5>(cell.node), eye),
+            rho => parents.list(rho, nodes.mask_any(cell.node), eye),
         }
         (self.stamps).stamp::<A, V, R>(self.target, &parents, self.shading);
         true

@@ -222,6 +222,10 @@ unsafe extern "C" {
     fn rho_grid_stamp_band_large(block: *mut Block, rows: u32);
     fn rho_grid_stamp_band(block: *mut Block, rows: u32);
     fn rho_grid_stamp_both(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_large_both(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_band_large_both(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_band_both(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_band_both_cut(block: *mut Block, rows: u32);
     fn rho_grid_stamp_cut(block: *mut Block, rows: u32);
     fn rho_grid_stamp_band_cut(block: *mut Block, rows: u32);
     fn rho_grid_stamp_both_cut(block: *mut Block, rows: u32);
@@ -326,7 +330,7 @@ impl Loops {
         // Of bands, only what is drawn most.
         if tones.len() < looked_up
             || parents.displacements.len() < parents.subcells
-            || (is_band && (BOTH || shadows.is_some()))
+            || (is_band && shadows.is_some())
         {
             return;
         }
@@ -374,13 +378,16 @@ impl Loops {
             cones => cones.as_ptr(),
         };
         block.width = TWO_SIDED;
-        self.large = match (is_band, BOTH || is_deep || shadows.is_some()) {
-            (true, _) => Some(rho_grid_stamp_band_large),
+        self.large = match (is_band, BOTH) {
+            _ if is_deep || shadows.is_some() => None,
+            (true, true) => Some(rho_grid_stamp_band_large_both),
+            (true, false) => Some(rho_grid_stamp_band_large),
+            (false, true) => Some(rho_grid_stamp_large_both),
             (false, false) => Some(rho_grid_stamp_large),
-            (false, true) => None,
         };
         self.loops = Some(match (is_band, BOTH, is_deep, shadows.is_some()) {
-            (true, ..) => [rho_grid_stamp_band, rho_grid_stamp_band_cut],
+            (true, true, ..) => [rho_grid_stamp_band_both, rho_grid_stamp_band_both_cut],
+            (true, false, ..) => [rho_grid_stamp_band, rho_grid_stamp_band_cut],
             (_, true, true, true) => [
                 rho_grid_stamp_shaded_deep_both,
                 rho_grid_stamp_shaded_deep_both_cut,
