@@ -27,7 +27,7 @@ pub use shadow::ShadowView;
 pub use tones::{Tones, tone_words};
 pub use traverse::draw;
 pub use view::View;
-pub use visibility::{Canvas, EyeOrder, Rect, Shape, Stamp, Visibility, ZBuffer};
+pub use visibility::{Canvas, EyeOrder, Rect, Shape, Span, Stamp, Visibility, ZBuffer};
 
 use crate::blob::Grid;
 use crate::frame::Frame;

@@ -232,33 +232,27 @@ impl<'a> Tones<'a> {
         })
     }
 
-    /// Covers what is open of `count` pixels from `at` on.
+    /// Covers what is open of `count` pixels from `at` on; a row's last few are followed by others, or by the margin.
     #[inline(always)]
     fn cover(&mut self, at: usize, count: usize, tone: u32) {
-        let lay = |four: &mut [u8; 4]| {
+        let lay = |four: &mut [u8; 4], mask: u32| {
             let old = word(*four);
             *four = old
-                .wrapping_add((!old & COVERED).wrapping_mul(tone))
+                .wrapping_add((!old & mask).wrapping_mul(tone))
                 .to_le_bytes();
         };
-        let Some(row) = self.pixels.get_mut(at..at + count) else {
+        let Some(row) = self.pixels.get_mut(at..at + count.next_multiple_of(4)) else {
             return;
         };
-        let (fours, rest) = row.as_chunks_mut();
-        if rest.is_empty() || count < 4 {
-            for pixel in rest {
-                if *pixel & 1 == 0 {
-                    *pixel = tone as u8;
-                }
-            }
-            fours.iter_mut().for_each(lay);
+        let (fours, _) = row.as_chunks_mut();
+        let Some((last, fours)) = fours.split_last_mut() else {
             return;
+        };
+        for four in fours {
+            lay(four, COVERED);
         }
-        fours.iter_mut().for_each(lay);
-        // The last four; what was covered stays.
-        if let Some(last) = row.last_chunk_mut() {
-            lay(last);
-        }
+        // One to four.
+        lay(last, COVERED >> (8 * (count.wrapping_neg() & 3)));
     }
 
     #[inline(always)]
@@ -408,51 +402,14 @@ impl Visibility for Tones<'_> {
         }
     }
 
-    /// A row of a shape is one piece, whose ends are near those of the row before: few pixels are asked,
-    /// and what lies between is covered four at a time.
+    /// Covered four pixels at a time.
     fn draw_shape(&mut self, r: Rect, _w: i32, shape: &impl Shape, colour: impl Fn() -> u16) {
         let tone = u32::from(colour());
-        if r.x1 - r.x0 < 8 {
-            // Small ones pixel by pixel.
-            for y in r.y0..r.y1 + 1 {
-                let holds = shape.row(y);
-                for x in r.x0..r.x1 + 1 {
-                    let at = self.at(x as i32, y as i32);
-                    let pixel = self.pixels.get_mut(at);
-                    if let Some(pixel) = pixel
-                        && *pixel & 1 == 0
-                        && holds(x)
-                    {
-                        *pixel = tone as u8;
-                    }
-                }
-            }
-            return;
-        }
-        let (mut left, mut right) = (r.x0, r.x1);
+        let mut row = self.at(0, r.y0 as i32);
         for y in r.y0..r.y1 + 1 {
-            let holds = shape.row(y);
-            let middle = left.midpoint(right);
-            let mut nearest = (middle..r.x1 + 1).chain((r.x0..middle).rev());
-            let Some(inside) = nearest.find(|x| holds(*x)) else {
-                continue;
-            };
-            left = left.min(inside);
-            while !holds(left) {
-                left += 1;
-            }
-            while left > r.x0 && holds(left - 1) {
-                left -= 1;
-            }
-            right = right.max(inside);
-            while !holds(right) {
-                right -= 1;
-            }
-            while right < r.x1 && holds(right + 1) {
-                right += 1;
-            }
-            let at = self.at(left as i32, y as i32);
-            self.cover(at, (right - left + 1) as usize, tone);
+            let columns = shape.row(y).within(r.x0, r.x1);
+            self.cover(row + columns.start as usize, columns.len(), tone);
+            row += self.stride;
         }
     }
 

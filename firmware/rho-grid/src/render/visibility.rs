@@ -1,5 +1,7 @@
 //! Which sample a pixel shows.
 
+use core::ops::Range;
+
 use crate::frame::Frame;
 
 /// Pixels of the frame, first and last included.
@@ -73,11 +75,8 @@ pub trait Visibility {
     #[inline(always)]
     fn draw_shape(&mut self, rect: Rect, w: i32, shape: &impl Shape, colour: impl Fn() -> u16) {
         for y in rect.y0..rect.y1 + 1 {
-            let row = shape.row(y);
-            for x in rect.x0..rect.x1 + 1 {
-                if row(x) {
-                    self.draw(Rect::pixel(x, y), w, &colour);
-                }
+            for x in shape.row(y).within(rect.x0, rect.x1) {
+                self.draw(Rect::pixel(x, y), w, &colour);
             }
         }
     }
@@ -188,10 +187,32 @@ pub struct Stamp {
     pub w: i32,
 }
 
-/// A set of pixels, asked row by row.
+/// A set of pixels without gaps in its rows, asked row by row.
 pub trait Shape {
-    /// Which columns of row `y` it holds.
-    fn row(&self, y: u32) -> impl Fn(u32) -> bool;
+    /// The columns of row `y` that it holds.
+    fn row(&self, y: u32) -> Span;
+}
+
+/// Columns of a row, first and last included, also beyond the frame; none when the last is before the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// The first.
+    pub first: i32,
+    /// The last.
+    pub last: i32,
+}
+
+impl Span {
+    /// No columns.
+    pub const NONE: Self = Self { first: 0, last: -1 };
+
+    /// Those from `x0` to `x1`.
+    #[inline(always)]
+    pub fn within(self, x0: u32, x1: u32) -> Range<u32> {
+        let first = self.first.max(x0 as i32);
+        let end = (self.last.min(x1 as i32) + 1).max(first);
+        first as u32..end as u32
+    }
 }
 
 /// Pixels to paint, each of which knows whether it is still open.
@@ -394,20 +415,20 @@ impl EyeOrder<'_, '_> {
             let covered = self.covered.get(at as usize).copied().unwrap_or(u32::MAX);
             let mut open = mask & !covered;
             if open != 0 {
-                let row = shape.row(y);
-                let mut held = 0;
+                let columns = shape
+                    .row(y)
+                    .within(r.x0.max(word << 5), r.x1.min(word << 5 | 31));
+                let held = u64::MAX << (columns.start & 31);
+                let beyond = u64::MAX << (columns.end - (word << 5));
+                open &= (held & !beyond) as u32;
+                if let Some(covered) = self.covered.get_mut(at as usize) {
+                    *covered |= open;
+                }
                 while open != 0 {
                     // The leftmost bit is the last column; any order serves.
                     let bit = 31 - open.leading_zeros();
                     open ^= 1 << bit;
-                    let x = (word << 5) + bit;
-                    if row(x) {
-                        held |= 1 << bit;
-                        self.write(y * self.width + x, colour());
-                    }
-                }
-                if let Some(covered) = self.covered.get_mut(at as usize) {
-                    *covered |= held;
+                    self.write(y * self.width + (word << 5) + bit, colour());
                 }
             }
             at += self.stride;

@@ -180,7 +180,7 @@ global_asm!(
     ".endif",
     ".endm",
     // A tile of a large disc: r8 its tone, r10 the window's pixels; of a band, how many bytes into it.
-    ".macro RHO_TILE tile, band",
+    ".macro RHO_TILE tile, band, cut",
     ".if \\tile",
     "ldr r9, [r0, #348]",
     "ldrsh r9, [r9, #(8 + 2 * \\tile)]",
@@ -204,6 +204,14 @@ global_asm!(
     "ldrh r12, [r9, #(128 * \\tile)]",
     "ands lr, lr, r12", // the mask
     "beq 8f",
+    ".if \\cut",
+    "ldrd r9, r12, [r0, #356]",
+    "ldrh r9, [r9, #((\\tile & 1) * 16)]", // its columns in the frame
+    "ldrh r12, [r12, #((\\tile >> 1) * 16 + 2)]", // its rows
+    "and lr, lr, r9",
+    "ands lr, lr, r12",
+    "beq 8f",
+    ".endif",
     ".if \\band",
     "ldr r9, [r0, #216]",
     "cmp r10, r9",
@@ -220,7 +228,7 @@ global_asm!(
     "8:",
     ".endm",
     // All of it: r8 the word, r9 the parts of a pixel, r11 the strip's half width, r12 its place.
-    ".macro RHO_TILES under, band",
+    ".macro RHO_TILES under, band, cut",
     "strd r11, r12, [r0, #336]",
     "ubfx r11, r9, #7, #3",
     "ubfx r9, r9, #23, #3",
@@ -230,10 +238,10 @@ global_asm!(
     "str r9, [r0, #344]", // the circle
     "lsr r8, r8, #\\under",
     "ldrb r8, [r12, r8]", // the tone
-    "RHO_TILE 0, \\band",
-    "RHO_TILE 1, \\band",
-    "RHO_TILE 2, \\band",
-    "RHO_TILE 3, \\band",
+    "RHO_TILE 0, \\band, \\cut",
+    "RHO_TILE 1, \\band, \\cut",
+    "RHO_TILE 2, \\band, \\cut",
+    "RHO_TILE 3, \\band, \\cut",
     ".endm",
     // One sample. r0 block, r1 next entry, r2 end, r3 place, r4 words, r5 classes, r6 half-planes,
     // r7 corner; r8 to r12 and lr are free.
@@ -264,7 +272,16 @@ global_asm!(
     "add r11, r5, r11, lsl #3",
     "ldrd r11, r12, [r11]", // across, towards
     "mla r9, r11, r10, r9", // the place
-    ".if \\cut",
+    ".if \\cut && \\rows == 8",
+    "ubfx r10, r9, #10, #6",
+    "ldr lr, [r0, #232]",
+    "add r10, lr, r10, lsl #2",
+    "str r10, [r0, #356]",
+    "lsr r10, r9, #26",
+    "ldr lr, [r0, #236]",
+    "add r10, lr, r10, lsl #2",
+    "str r10, [r0, #360]",
+    ".elseif \\cut",
     "ldrd r10, lr, [r0, #232]",
     "str r10, [r0, #240]",
     "lsr r10, r9, #26",
@@ -312,7 +329,7 @@ global_asm!(
     "add lr, lr, #0x02000000",
     "add r12, r12, lr, asr #26",
     ".if \\rows == 8",
-    "RHO_TILES \\under, \\band",
+    "RHO_TILES \\under, \\band, \\cut",
     ".else",
     "add lr, r12, r11",
     "sbc r12, r12, r11", // one less, the carry being clear
@@ -675,20 +692,21 @@ global_asm!(
     "RHO_BLOCK .L\\name\\()_four, 4, \\under, \\shaded, \\band, \\cut, \\deep",
     ".size \\name, . - \\name",
     ".endm",
-    // The loop for large discs.
-    ".macro RHO_LARGE_LOOP name, under, band",
+    // A loop for large discs.
+    ".macro RHO_LARGE_LOOP name, under, band, cut",
     ".section .text.\\name,\"ax\",%progbits",
     ".global \\name",
     ".type \\name,%function",
     ".thumb_func",
-    "RHO_BLOCK \\name, 8, \\under, 0, \\band, 0, 0",
+    "RHO_BLOCK \\name, 8, \\under, 0, \\band, \\cut, 0",
     ".size \\name, . - \\name",
     ".endm",
     ".syntax unified",
-    "RHO_LARGE_LOOP rho_grid_stamp_large, 3, 0",
-    "RHO_LARGE_LOOP rho_grid_stamp_large_both, 2, 0",
-    "RHO_LARGE_LOOP rho_grid_stamp_band_large, 3, 1",
-    "RHO_LARGE_LOOP rho_grid_stamp_band_large_both, 2, 1",
+    "RHO_LARGE_LOOP rho_grid_stamp_large, 3, 0, 0",
+    "RHO_LARGE_LOOP rho_grid_stamp_large_cut, 3, 0, 1",
+    "RHO_LARGE_LOOP rho_grid_stamp_large_both_cut, 2, 0, 1",
+    "RHO_LARGE_LOOP rho_grid_stamp_band_large_cut, 3, 1, 1",
+    "RHO_LARGE_LOOP rho_grid_stamp_band_large_both_cut, 2, 1, 1",
     "RHO_LOOP rho_grid_stamp, 3, 0",
     "RHO_LOOP rho_grid_stamp_band, 3, 0, 1",
     "RHO_LOOP rho_grid_stamp_both, 2, 0",

@@ -127,8 +127,9 @@ struct Block {
     deep: MaybeUninit<Deep>,
     /// 312.
     texels: Texels,
-    /// 336: of a large disc, the strip's half width and place, the circle, the direction; 352: the window.
-    large: MaybeUninit<[u32; 5]>,
+    /// 336: of a large disc, the strip's half width and place, the circle, the direction; 352: the window; 356, 360:
+    /// what of it is in the frame, by column and by row.
+    large: MaybeUninit<[u32; 7]>,
 }
 
 /// The frame's edges.
@@ -219,11 +220,12 @@ type Loop = unsafe extern "C" fn(*mut Block, rows: u32);
 unsafe extern "C" {
     fn rho_grid_stamp(block: *mut Block, rows: u32);
     fn rho_grid_stamp_large(block: *mut Block, rows: u32);
-    fn rho_grid_stamp_band_large(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_large_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_large_both_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_band_large_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_band_large_both_cut(block: *mut Block, rows: u32);
     fn rho_grid_stamp_band(block: *mut Block, rows: u32);
     fn rho_grid_stamp_both(block: *mut Block, rows: u32);
-    fn rho_grid_stamp_large_both(block: *mut Block, rows: u32);
-    fn rho_grid_stamp_band_large_both(block: *mut Block, rows: u32);
     fn rho_grid_stamp_band_both(block: *mut Block, rows: u32);
     fn rho_grid_stamp_band_both_cut(block: *mut Block, rows: u32);
     fn rho_grid_stamp_cut(block: *mut Block, rows: u32);
@@ -252,8 +254,8 @@ unsafe extern "C" {
 pub(super) struct Loops {
     /// Within the frame, and at its edges; none where blocks are drawn by other means.
     loops: Option<[Loop; 2]>,
-    /// Of large discs within the frame.
-    large: Option<Loop>,
+    /// Of large discs, and of those at the edges; what is drawn less goes by the latter alone.
+    large: Option<[Loop; 2]>,
     /// Whether they draw into a band, and against depths.
     kind: (bool, bool),
     /// For the level whose masks it points to.
@@ -380,10 +382,10 @@ impl Loops {
         block.width = TWO_SIDED;
         self.large = match (is_band, BOTH) {
             _ if is_deep || shadows.is_some() => None,
-            (true, true) => Some(rho_grid_stamp_band_large_both),
-            (true, false) => Some(rho_grid_stamp_band_large),
-            (false, true) => Some(rho_grid_stamp_large_both),
-            (false, false) => Some(rho_grid_stamp_large),
+            (true, true) => Some([rho_grid_stamp_band_large_both_cut; 2]),
+            (true, false) => Some([rho_grid_stamp_band_large_cut; 2]),
+            (false, true) => Some([rho_grid_stamp_large_both_cut; 2]),
+            (false, false) => Some([rho_grid_stamp_large, rho_grid_stamp_large_cut]),
         };
         self.loops = Some(match (is_band, BOTH, is_deep, shadows.is_some()) {
             (true, true, ..) => [rho_grid_stamp_band_both, rho_grid_stamp_band_both_cut],
@@ -437,15 +439,21 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     let Some([within, cut]) = stamps.loops.loops else {
         return false;
     };
-    let mut edges = stamps.edges;
-    let is_large = matches!(stamps.circle, Circle::Eight(_));
-    let within = match stamps.loops.large {
-        Some(large) if is_large && edges.is_none() => large,
-        _ if is_large => return false,
-        _ => within,
-    };
     let (x, y) = stamps.corner;
     let (width, height) = stamps.size;
+    let mut edges = stamps.edges;
+    let is_large = matches!(stamps.circle, Circle::Eight(_));
+    let [within, cut] = match stamps.loops.large {
+        _ if !is_large => [within, cut],
+        Some(large) => large,
+        None => return false,
+    };
+    if edges.is_none() && within as usize == cut as usize {
+        edges = Edges::new((x, y), (width, height));
+        if edges.is_none() {
+            return true;
+        }
+    }
     if let Some(Depths { words, factor }) = depths {
         // A depth a pixel of rows as wide as those of the frame, so views are no wider.
         let farthest = i64::from(parents.centre.w)
