@@ -77,6 +77,10 @@ const fn window(side: i32) -> i32 {
 /// not all of which faces as it does.
 const FAR_AWAY: i32 = -(1 << 28);
 
+/// The least cosine at which a disc is stamped, 2^30 to the unit. Offsets come in eighths, so that neighbouring discs
+/// of a plane that is seen almost from its edge may stand apart: they are made as thick as half such a step.
+pub(super) const LEAST_COSINE: u32 = 7 << 24;
+
 /// What the samples of a block have in common, and those of all blocks of a frame.
 pub(super) struct Stamps<'v> {
     sight: Sight,
@@ -84,6 +88,8 @@ pub(super) struct Stamps<'v> {
     backs: bool,
     /// The strip's half width in sixteenths of a pixel for a cosine of 1, times 4.
     breadth: u32,
+    /// At least.
+    least_cosine: u32,
     /// From a plane of cells to the next.
     along_z: u32,
     offsets: Offsets,
@@ -419,6 +425,7 @@ impl<'v> Stamps<'v> {
             backs: !view.no_backs,
             circle: Circle::LEAST,
             breadth: 0,
+            least_cosine: view.least_cosine,
             offsets: [0; 8],
             offset_range: offset_range.into(),
             cells: [0; 9],
@@ -683,7 +690,7 @@ impl<'v> Stamps<'v> {
                 }
             };
             let half = || {
-                let cosine = u64::from(towards.unsigned_abs());
+                let cosine = u64::from(towards.unsigned_abs().max(self.least_cosine));
                 ((cosine * u64::from(self.breadth)) >> 32) as u32
             };
             let parts = place & 0x03FF_03FF;

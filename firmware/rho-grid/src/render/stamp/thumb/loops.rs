@@ -310,8 +310,13 @@ global_asm!(
     ".endif",
     "ldr lr, [r0, #44]",
     "mla r11, r11, lr, r12", // the cosine
-    "adds r11, r11, #0",     // clears the carry
+    ".if \\band",
+    "adds r11, r11, #0", // clears the carry
     "bmi 3f",
+    ".else",
+    "rsbs lr, r11, #0x07000000", // clears it where the cosine is more than the least
+    "bpl 3f",
+    ".endif",
     "2:",
     "ldr lr, [r0, #48]",
     "umull lr, r11, r11, lr", // half the strip's width
@@ -383,7 +388,11 @@ global_asm!(
     "cmp r1, r2",
     "bne 1b",
     "ldr pc, [sp], #4",
-    "3:", // it faces away
+    "3:", // it faces away, or by little towards
+    ".if !\\band",
+    "cmp r11, #0",
+    "bge 9f",
+    ".endif",
     "ldr lr, [r0, #228]",
     "cmp lr, #127",
     "beq 7f",
@@ -427,7 +436,16 @@ global_asm!(
     "5:",
     ".endif",
     "rsbs r11, r11, #0", // clears the carry: it is negative
+    ".if \\band",
     "b 2b",
+    ".else",
+    "rsbs lr, r11, #0x07000000",
+    "bmi 2b",
+    "9:",
+    "mov r11, #0x07000000",
+    "adds r11, r11, #0",
+    "b 2b",
+    ".endif",
     ".endm",
     // A plane: r1 its nine bits, r3 its place, r4 its words.
     ".macro RHO_PLANE rows, backwards, under, shaded, band, cut, deep",
