@@ -191,11 +191,19 @@ impl<'a> Tones<'a> {
     #[must_use]
     pub fn quarters(&self, x: i32, y: i32) -> u32 {
         let [left, own, right] = self.three_in_quarters(x, y);
+        let sum = left + right;
+        if sum < 3 {
+            return own;
+        }
         let upper = self.three_in_quarters(x, y - 1);
+        let sum = sum + upper[1];
+        if sum < 7 {
+            return own;
+        }
         let lower = self.three_in_quarters(x, y + 1);
-        let beside = [left, right, upper[1], lower[1]];
-        let sum = beside.iter().sum::<u32>();
+        let sum = sum + lower[1];
         let all = sum + upper[0] + upper[2] + lower[0] + lower[2];
+        let beside = [left, right, upper[1], lower[1]];
         let is_gap = own > 0 && sum >= 11 && beside.iter().all(|covered| *covered > 0)
             || sum >= 12 && all >= 27;
         if is_gap { 4 } else { own }
@@ -203,15 +211,17 @@ impl<'a> Tones<'a> {
 
     /// Of quarters: how many are covered of those of pixel (x, y) and of its neighbours to the left and the right,
     /// which lies in the middle; four beyond the frame and the band.
+    #[inline(always)]
     fn three_in_quarters(&self, x: i32, y: i32) -> [u32; 3] {
-        let (Some(upper), Some(lower)) = (self.row(2 * y), self.row(2 * y + 1)) else {
+        if y < 0 || 2 * y + 1 >= i32::from(self.height) {
             return [4; 3];
-        };
-        let from = 2 * x as usize;
-        let six = |row: &[u8]| row.get(from.wrapping_sub(2)..)?.first_chunk::<6>().copied();
-        if from + 4 <= usize::from(self.width)
+        }
+        let at = margin(self.stride) + self.stride * 2 * y as usize + 2 * x as usize;
+        let six = |from: usize| self.pixels.get(from..from + 6)?.first_chunk::<6>().copied();
+        if x > 0
+            && 2 * x + 4 <= i32::from(self.width)
             && let (Some([a, b, c, d, rest @ ..]), Some([e, f, g, h, others @ ..])) =
-                (six(upper), six(lower))
+                (six(at - 2), six(at - 2 + self.stride))
         {
             let sum = (word([a, b, c, d]) & COVERED) + (word([e, f, g, h]) & COVERED);
             let sum = sum + (sum >> 8);
@@ -219,7 +229,14 @@ impl<'a> Tones<'a> {
             let beyond = (right & 0x0101) + (last & 0x0101);
             return [sum & 7, sum >> 16 & 7, (beyond + (beyond >> 8)) & 7];
         }
-        // At the frame's edge.
+        self.three_at_the_edge(x, y)
+    }
+
+    #[cold]
+    fn three_at_the_edge(&self, x: i32, y: i32) -> [u32; 3] {
+        let (Some(upper), Some(lower)) = (self.row(2 * y), self.row(2 * y + 1)) else {
+            return [4; 3];
+        };
         [x - 1, x, x + 1].map(|x| {
             if !(0..i32::from(self.width) / 2).contains(&x) {
                 return 4;
