@@ -160,50 +160,56 @@ impl Order {
         self.rho * (j + self.rho * k)
     }
 
-    /// Takes all subcells in `mask` of a cell divided by `rho`, the eye in this slab ([`Self::new`]): its place and
-    /// what is listed of it. Each rho has a loop of its own.
+    /// Takes all rows in `mask` of a cell divided by `rho`, the eye in this slab ([`Self::new`]): j and k, the first of
+    /// its subcells, and those that are there. Each rho has a loop of its own.
     #[inline(always)]
-    pub(super) fn of_each(
+    pub(super) fn each_row(
         rho: u8,
         eye: [i32; 3],
         mask: &[u32; 4],
-        take: impl FnMut([u32; 3], Listed),
+        take: impl FnMut([u32; 2], Listed, Few),
     ) {
         match rho {
-            2 => Self::new(2, eye).each(mask, take),
-            3 => Self::new(3, eye).each(mask, take),
-            4 => Self::new(4, eye).each(mask, take),
-            _ => Self::new(5, eye).each(mask, take),
+            2 => Self::new(2, eye).take_rows(mask, take),
+            3 => Self::new(3, eye).take_rows(mask, take),
+            4 => Self::new(4, eye).take_rows(mask, take),
+            _ => Self::new(5, eye).take_rows(mask, take),
         }
     }
 
-    /// Takes all subcells in `mask`.
     #[inline(always)]
-    fn each(self, mask: &[u32; 4], mut take: impl FnMut([u32; 3], Listed)) {
+    fn take_rows(self, mask: &[u32; 4], mut take: impl FnMut([u32; 2], Listed, Few)) {
         let rho = self.rho;
+        // Of each slab, how many subcells come before it, and before each of its rows within it.
+        let mut ranks = [(0, 0); 5];
+        let mut before = 0;
+        for (k, ranks) in (0..rho).zip(&mut ranks) {
+            let rows = counts(rho, plane(rho, mask, k));
+            let before_rows = rows.wrapping_mul(sums(rho));
+            *ranks = (before, before_rows);
+            let last = rho * (rho - 1);
+            before += (before_rows >> last & ((1 << rho) - 1)) + (rows >> last);
+        }
         for (k, plane) in self.planes(mask) {
-            let before = rank(mask, (rho * rho * k) as u8);
+            let (before, before_rows) = ranks.get(k as usize).copied().unwrap_or((0, 0));
             for (j, row) in self.rows(plane) {
-                let before = before + (plane & ((1 << (rho * j)) - 1)).count_ones();
-                let first = self.row(j, k);
-                for (i, rank) in self.cells(row) {
-                    take([i, j, k], Listed::new(first + i, before + rank));
-                }
+                let before = before + (before_rows >> (rho * j) & ((1 << rho) - 1));
+                take([j, k], Listed::new(self.row(j, k), before), self.cells(row));
             }
         }
     }
 
-    /// Lists all subcells in `mask`, as [`Self::of_each`] takes them; returns how many there are.
+    /// Lists all subcells in `mask`, as [`Self::each_row`] takes them; returns how many there are.
     #[inline(always)]
     pub(super) fn list(rho: u8, eye: [i32; 3], mask: &[u32; 4], list: &mut List) -> usize {
-        let mut count = 0;
-        Self::of_each(rho, eye, mask, |_, listed| {
-            if let Some(entry) = list.get_mut(count) {
-                *entry = listed;
-                count += 1;
+        let mut entries = list.iter_mut();
+        Self::each_row(rho, eye, mask, |_, first, cells| {
+            for ((i, rank), entry) in cells.zip(&mut entries) {
+                *entry = Listed(first.0 + (rank << 8 | i) as u16);
             }
         });
-        count
+        let left = entries.len();
+        MAX_SUBCELLS - left
     }
 }
 
@@ -219,6 +225,31 @@ fn plane(rho: u32, mask: &[u32; 4], k: u32) -> u32 {
     let word = |i: u32| u64::from(mask.get(i as usize).copied().unwrap_or(0));
     let both = word(bit / 32 + 1) << 32 | word(bit / 32);
     (both >> (bit % 32)) as u32 & all
+}
+
+/// Of each row of a slab, how many subcells it has: as many bits a row as it has subcells.
+#[inline(always)]
+fn counts(rho: u32, plane: u32) -> u32 {
+    match rho {
+        2 => plane - (plane >> 1 & 0b01_01),
+        3 => plane - (plane >> 1 & 0o333) - (plane >> 2 & 0o111),
+        4 => {
+            let pairs = plane - (plane >> 1 & 0x5555);
+            (pairs & 0x3333) + (pairs >> 2 & 0x3333)
+        }
+        _ => (0..5).map(|bit| plane >> bit & 0x10_8421).sum(),
+    }
+}
+
+/// This times the counts of a slab's rows is how many subcells come before each row; these fit into as many bits.
+#[inline(always)]
+fn sums(rho: u32) -> u32 {
+    match rho {
+        2 => 0b01_00,
+        3 => 0o110,
+        4 => 0x1110,
+        _ => 0x10_8420,
+    }
 }
 
 /// How many subcells in `mask` come before `subcell` in the numbering of children.

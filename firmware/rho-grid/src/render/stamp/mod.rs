@@ -376,13 +376,21 @@ impl<'a, 'g, W> Parents<'a, 'g, W> {
     /// Adds the parents in `mask` of a block divided by `rho`; `eye` is the eye's slab among all their subcells.
     #[inline(never)]
     pub(super) fn list(&mut self, rho: u8, mask: [u32; 4], eye: [i32; 3]) {
+        // By 3; of five parents' cells and those beside them a product is as good as the quotient.
+        let third = |e: i32| ((e + 3) * 171 >> 9) - 1;
+        let eye = eye.map(|e| e.clamp(-2, 16));
         // Of each axis, how many of the parents have the eye beyond their middle.
-        let [beyond_x, beyond_y, beyond_z] = eye.map(|e| (e + 1).div_euclid(3).max(0) as u32);
-        let eye_of_parents = eye.map(|e| e.div_euclid(3));
-        order::Order::of_each(rho, eye_of_parents, &mask, |[i, j, k], listed| {
-            let order = Order::new([i < beyond_x, j < beyond_y, k < beyond_z]);
-            self.push(listed.subcell().into(), listed.rank(), order);
+        let [beyond_x, beyond_y, beyond_z] = eye.map(|e| third(e + 1).max(0) as u32);
+        let mut slots = self.order.iter_mut();
+        order::Order::each_row(rho, eye.map(third), &mask, |[j, k], first, cells| {
+            let order = Order::new([false, j < beyond_y, k < beyond_z]).bits();
+            let row = order << 16 | u32::from(first.subcell()) << 8 | first.rank();
+            for ((i, rank), slot) in cells.zip(&mut slots) {
+                let beyond = u32::from(i < beyond_x) * Order::OPPOSITE;
+                *slot = (row + (i << 8) + rank) ^ beyond << 16;
+            }
         });
+        self.count = MAX_PARENTS - slots.len();
     }
 
     /// Adds the parents in `mask`, 3 x 3 x 3, of a block that the eye sees from outside: all its
