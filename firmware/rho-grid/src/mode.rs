@@ -154,7 +154,7 @@ impl Preset {
             Self::Fast => 55,
             Self::Balanced => 73,
             Self::Fine => 92,
-            Self::Finest => 150,
+            Self::Finest => 147,
         }
     }
 

@@ -41,14 +41,16 @@ impl Default for BakeOptions {
     }
 }
 
-/// The grids of [`BakeOptions::standard`]: 48, 60, 72, 96, 108 and 144 cells an axis, for the presets.
+/// The grids of [`BakeOptions::standard`]: 48, 60, 72, 96, 108 and 144 cells an axis, for the presets. Blocks
+/// have as many parents as can be stamped together, since each costs as much as ten of them: 4 x 4 x 4, but of cells
+/// as large as `fast` draws near.
 const STANDARD: [&[u8]; 6] = [
     &[4, 4, 3],
     &[4, 5, 3],
-    &[4, 2, 3, 3],
-    &[4, 2, 4, 3],
-    &[2, 3, 2, 3, 3],
-    &[4, 4, 3, 3],
+    &[2, 4, 3, 3],
+    &[2, 4, 4, 3],
+    &[3, 3, 4, 3],
+    &[4, 3, 4, 3],
 ];
 
 impl BakeOptions {

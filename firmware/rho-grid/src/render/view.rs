@@ -5,7 +5,7 @@
 //! that the whole cube stays below 2^29 and as near to it as possible: any camera uses all bits.
 
 use super::project::{Bounds, Homogeneous, OverW, slack};
-use super::stamp::{self, Classes, Sight};
+use super::stamp::{Classes, DiscCut, Sight};
 use crate::blob::Grid;
 use crate::blob::facing::classes_apart;
 use crate::blob::format::MAX_SUBDIVISIONS;
@@ -41,8 +41,8 @@ pub struct View {
     over_focal: i32,
     /// Whether no back of the grid's samples shows.
     pub(super) no_backs: bool,
-    /// The least cosine, 2^30 to the unit, at which discs are stamped.
-    pub(super) least_cosine: u32,
+    /// How discs are stamped.
+    pub(super) cut: DiscCut,
     /// Normals as the eye sees them; filled for grids whose samples have offsets.
     pub(super) classes: Classes,
 }
@@ -77,6 +77,11 @@ impl LevelView {
         eye: [0; 3],
         children: (0, 0),
     };
+
+    /// From a cell's centre to the middles of its faces, along x, y and z.
+    pub(super) fn half_edges(&self) -> [Homogeneous; 3] {
+        self.half_edges
+    }
 
     /// The steps in W from a cell to the next along the grid's x, y, z.
     #[inline(always)]
@@ -169,7 +174,7 @@ impl View {
             w_bits: 0,
             over_focal: 0,
             no_backs: false,
-            least_cosine: 0,
+            cut: DiscCut::PIXELS,
             classes: Classes::empty(),
         }
     }
@@ -238,7 +243,7 @@ impl View {
 
         // 4096 to a side, from the centre; a camera is at most some 2,000 sides away.
         let from_centre = eye.map(|e| ((e - (1 << 29)) >> 18) as i32);
-        self.least_cosine = stamp::LEAST_COSINE;
+        self.cut = DiscCut::PIXELS;
         self.no_backs = grid.backs().is_some_and(|backs| !backs.show(from_centre));
 
         // Half the edges of the cube, in the units of X, Y and W with 32 bits after the point.
@@ -362,10 +367,9 @@ impl View {
     }
 
     /// Draws only these rows of the frame from now on, until it is prepared again: those of a
-    /// [`Tones::band`](super::Tones::band) of quarters, in which discs are as thin as they are. Rows beyond the frame
-    /// do not count.
+    /// [`Tones::band`](super::Tones::band) of quarters. Rows beyond the frame do not count.
     pub fn see_rows(&mut self, rows: core::ops::Range<u16>) {
-        self.least_cosine = 0;
+        self.cut = DiscCut::QUARTERS;
         let within = |row: u16| i32::from(row).min(self.height);
         self.rows = (within(rows.start), within(rows.end));
     }

@@ -60,9 +60,33 @@ fn entry<T: Copy, const N: usize>(table: &[T; N], index: u32) -> T {
     table[index as usize % N]
 }
 
-/// A disc's radius in sides of its cell, times 256: thin leaves of a plane along a diagonal of two axes stand 1 by
-/// the root of 2 apart, so that their discs meet from 0.866 on; of any other plane they stand closer.
-const RADIUS: i32 = 222;
+/// How large discs are stamped, and how thick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DiscCut {
+    /// The radius in sides of a cell, times 256: of cells of less than 1.5 pixels, and of others.
+    radii: [i32; 2],
+    /// The least cosine at which a disc is seen, 2^30 to the unit.
+    least_cosine: u32,
+}
+
+impl DiscCut {
+    /// Into pixels. Thin leaves of a plane along a diagonal of two axes stand 1 by the root of 2 apart, so that their
+    /// discs meet from 0.866 on; of any other plane they stand closer. Offsets come in eighths, so that neighbouring
+    /// discs of a plane that is seen almost from its edge may stand apart by more than they are thick: they are made
+    /// as thick as half such a step.
+    pub(super) const PIXELS: Self = Self {
+        radii: [222; 2],
+        least_cosine: 7 << 24,
+    };
+
+    /// Into quarters of pixels. What is covered in part is closed when it is blended
+    /// ([`Tones::quarters`](super::Tones::quarters)), so discs are as large as looks
+    /// best, or, where that makes no difference, as covers most.
+    pub(super) const QUARTERS: Self = Self {
+        radii: [200, 216],
+        least_cosine: 0,
+    };
+}
 
 /// The largest side of cells whose discs are stamped, Q16, and of those that have a mask of 4 x 4: 4 pixels and 2.9.
 const LARGEST_SIDE: i32 = 264_000;
@@ -77,10 +101,6 @@ const fn window(side: i32) -> i32 {
 /// not all of which faces as it does.
 const FAR_AWAY: i32 = -(1 << 28);
 
-/// The least cosine at which a disc is stamped, 2^30 to the unit. Offsets come in eighths, so that neighbouring discs
-/// of a plane that is seen almost from its edge may stand apart: they are made as thick as half such a step.
-pub(super) const LEAST_COSINE: u32 = 7 << 24;
-
 /// What the samples of a block have in common, and those of all blocks of a frame.
 pub(super) struct Stamps<'v> {
     sight: Sight,
@@ -88,8 +108,7 @@ pub(super) struct Stamps<'v> {
     backs: bool,
     /// The strip's half width in sixteenths of a pixel for a cosine of 1, times 4.
     breadth: u32,
-    /// At least.
-    least_cosine: u32,
+    cut: DiscCut,
     /// From a plane of cells to the next.
     along_z: u32,
     offsets: Offsets,
@@ -393,6 +412,36 @@ impl<'a, 'g, W> Parents<'a, 'g, W> {
         self.count = MAX_PARENTS - slots.len();
     }
 
+    /// Those in some of the block's subcells, in the same order, listed in `order`.
+    pub(super) fn those_in<'b>(
+        &self,
+        order: &'b mut ParentList,
+        is_wanted: impl Fn(u8) -> bool,
+    ) -> Parents<'b, 'g, W>
+    where
+        'a: 'b,
+    {
+        let listed = self.order.get(..self.count).unwrap_or_default();
+        let wanted = listed
+            .iter()
+            .filter(|entry| is_wanted((**entry >> 8) as u8));
+        let mut count = 0;
+        for (slot, entry) in order.iter_mut().zip(wanted) {
+            *slot = *entry;
+            count += 1;
+        }
+        Parents {
+            order,
+            count,
+            ..*self
+        }
+    }
+
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
     /// Adds the parents in `mask`, 3 x 3 x 3, of a block that the eye sees from outside: all its
     /// subcells have the same order.
     #[inline(always)]
@@ -433,7 +482,7 @@ impl<'v> Stamps<'v> {
             backs: !view.no_backs,
             circle: Circle::LEAST,
             breadth: 0,
-            least_cosine: view.least_cosine,
+            cut: view.cut,
             offsets: [0; 8],
             offset_range: offset_range.into(),
             cells: [0; 9],
@@ -453,6 +502,11 @@ impl<'v> Stamps<'v> {
     pub(super) fn can_hold(view: &View, reach: i32, side: i32) -> bool {
         let beside = window(side);
         reach <= (REACH - beside) << 8 && side <= LARGEST_SIDE && view.width.min(view.height) >= 72
+    }
+
+    /// Whether what is projected up to here (Q8 from the axis, along x and y) is seen near enough to the axis.
+    pub(super) fn sees(view: &View, [x, y]: [i32; 2]) -> bool {
+        Sight::new([view.tangent(x), view.tangent(y)]).is_some()
     }
 
     /// For a block that they [can hold](Self::can_hold), whose centre is projected to (x, y) (Q8 from the
@@ -478,7 +532,9 @@ impl<'v> Stamps<'v> {
         // 1 / sqrt(1 + t^2) by its series, 256 to the unit; t^2 is at most a half.
         let t2 = square >> 10;
         let length = 256 - (t2 >> 1) + ((3 * t2 * t2) >> 11) - ((5 * t2 * t2 * t2) >> 20);
-        let radius = ((side >> 4) * RADIUS) >> 12;
+        let [small, large] = self.cut.radii;
+        let sides = if side < 3 << 15 { small } else { large };
+        let radius = ((side >> 4) * sides) >> 12;
         let largest = match window(side) {
             4 => mask::LARGEST_OF_FOUR,
             _ => mask::LARGEST,
@@ -698,7 +754,7 @@ impl<'v> Stamps<'v> {
                 }
             };
             let half = || {
-                let cosine = u64::from(towards.unsigned_abs().max(self.least_cosine));
+                let cosine = u64::from(towards.unsigned_abs().max(self.cut.least_cosine));
                 ((cosine * u64::from(self.breadth)) >> 32) as u32
             };
             let parts = place & 0x03FF_03FF;
