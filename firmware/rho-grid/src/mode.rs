@@ -394,7 +394,7 @@ mod tests {
         assert_eq!(cells(Preset::Fast), [72, 36]);
         assert_eq!(cells(Preset::Balanced), [95, 48]);
         assert_eq!(cells(Preset::Fine), [120, 60]);
-        assert_eq!(cells(Preset::Finest), [195, 98]);
+        assert_eq!(cells(Preset::Finest), [191, 96]);
         // At and in the cube, and at any zoom, there is an answer.
         assert_eq!(
             Preset::Fine.cells(&camera(0.0)),

@@ -11,7 +11,7 @@
 //!
 //! ```text
 //! window   ROWS pixels high and wide (2, 3, 4, 8), the disc's centre within half a pixel of its middle
-//! strip    HALF_PLANES[direction][t + h] and not HALF_PLANES[direction][t - h - 1]
+//! strip    half_planes[direction][t + h] and not half_planes[direction][t - h - 1]
 //! circle   CIRCLES[level][place of the centre within a pixel]
 //! ```
 
@@ -50,7 +50,7 @@ const ORIGIN: i32 = 128;
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, where an index out of range is an error"
 )]
-pub(super) static HALF_PLANES: [u16; DIRECTIONS * PLACES] = {
+const HALF_PLANES: [u16; DIRECTIONS * PLACES] = {
     let mut masks = [0; DIRECTIONS * PLACES];
     let mut d = 0;
     while d < DIRECTIONS {
@@ -103,7 +103,7 @@ const fn across(d: usize, rows: i32) -> Direction {
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, where an index out of range is an error"
 )]
-pub(super) static WINDOWS: [[Direction; DIRECTIONS]; 3] = {
+const WINDOWS: [[Direction; DIRECTIONS]; 3] = {
     let none = Direction { across: 0, base: 0 };
     let mut windows = [[none; DIRECTIONS]; 3];
     let mut rows = 0;
@@ -116,6 +116,18 @@ pub(super) static WINDOWS: [[Direction; DIRECTIONS]; 3] = {
         rows += 1;
     }
     windows
+};
+
+/// What finds strips: what is across each direction stands before all half planes.
+#[repr(C)]
+pub(super) struct Strips {
+    pub(super) windows: [[Direction; DIRECTIONS]; 3],
+    pub(super) half_planes: [u16; DIRECTIONS * PLACES],
+}
+
+pub(super) static STRIPS: Strips = Strips {
+    windows: WINDOWS,
+    half_planes: HALF_PLANES,
 };
 
 /// A direction, ready to find a large disc's strip in each of its tiles.
@@ -331,7 +343,7 @@ impl Circle {
     /// Those of strips in its window, if that is one tile.
     #[inline(always)]
     pub(super) fn directions(self) -> &'static [Direction; DIRECTIONS] {
-        let [two, three, four] = &WINDOWS;
+        let [two, three, four] = &STRIPS.windows;
         match self {
             Self::Two(_) => two,
             Self::Three(_) => three,
@@ -387,7 +399,7 @@ impl Direction {
         // Rounded to sixteenths.
         let along = parts.wrapping_mul(self.across).wrapping_add(1 << 25) as i32 >> 26;
         let place = self.base.wrapping_add(along as u32).wrapping_sub(shift);
-        let beyond = |place: u32| HALF_PLANES.get(place as usize).copied().unwrap_or(0);
+        let beyond = |place: u32| STRIPS.half_planes.get(place as usize).copied().unwrap_or(0);
         u32::from(beyond(place.wrapping_add(half)))
             & !u32::from(beyond(place.wrapping_sub(half).wrapping_sub(1)))
     }

@@ -55,7 +55,7 @@ use core::mem::MaybeUninit;
 
 use super::edge::{Edges, Within};
 use super::lists::{FIRST, LISTS, Lists};
-use super::mask::{Direction, HALF_PLANES, TILES, WIDE, Wide};
+use super::mask::{Direction, STRIPS, Strips, TILES, WIDE, Wide};
 use super::{Circle, Classes, FAR_AWAY, MAX_PARENTS, Parents, Stamps, classes};
 use crate::blob::facing::{TWO_SIDED, WIDTH_BITS};
 use crate::blob::format::MAX_MATERIALS;
@@ -77,12 +77,12 @@ struct Block {
     sight: u32,
     breadth: u32,
     /// 52, 56
-    directions: *const Direction,
+    wide: *const Wide,
     circle: *const u8,
     /// 60, 64.
     tones: *const u8,
     spread: *const [u32; 2],
-    /// 68, 72, 76.
+    /// 68, 72, 76. Within [`Strips`], what stands before them is read, too.
     classes: *const classes::Class,
     half_planes: *const u16,
     corner: *mut u8,
@@ -273,12 +273,14 @@ impl Loops {
             cells: [0; 9],
             sight: 0,
             breadth: 0,
-            directions: core::ptr::null(),
+            wide: WIDE.as_ptr(),
             circle: core::ptr::null(),
             tones: core::ptr::null(),
             spread: SPREAD.as_ptr(),
             classes: core::ptr::null(),
-            half_planes: HALF_PLANES.as_ptr(),
+            half_planes: (&raw const STRIPS)
+                .cast::<u16>()
+                .wrapping_byte_add(core::mem::offset_of!(Strips, half_planes)),
             corner: core::ptr::null_mut(),
             list: core::ptr::null(),
             along_z: 0,
@@ -519,11 +521,6 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     block.sight = stamps.sight.tangents;
     block.step = stamps.sight.step;
     block.breadth = stamps.breadth;
-    block.directions = if is_large {
-        WIDE.as_ptr().cast()
-    } else {
-        stamps.circle.directions().as_ptr()
-    };
     block.circle = circle;
     // Of a frame it may lie before the first pixel, where windows that begin there are left.
     block.corner = match band {
@@ -575,6 +572,8 @@ const _: () = {
     assert!(core::mem::offset_of!(Block, texels) == 312);
     assert!(core::mem::offset_of!(Texels, texel) == 8);
     assert!(core::mem::offset_of!(Block, large) == 336);
+    assert!(core::mem::offset_of!(Strips, half_planes) == 3 * 16 * size_of::<Direction>());
+    assert!(size_of::<Direction>() == 8);
     assert!(size_of::<Wide>() == 16 && core::mem::offset_of!(Wide, shifts) == 8);
     assert!(TILES == 4 && size_of::<[u16; 64]>() == 128);
     assert!(FIRST == 2);
