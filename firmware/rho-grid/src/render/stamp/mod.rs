@@ -393,8 +393,37 @@ impl<'a, 'g, W> Parents<'a, 'g, W> {
     }
 
     /// Adds the parents in `mask` of a block divided by `rho`; `eye` is the eye's slab among all their subcells.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn list(&mut self, rho: u8, mask: [u32; 4], eye: [i32; 3]) {
+        let last = 3 * i32::from(rho) - 1;
+        if !eye.iter().all(|e| *e < 1 || *e >= last) {
+            return self.list_round(rho, mask, eye);
+        }
+        let descending = eye.map(|e| e >= last);
+        match (rho, mask) {
+            (3, [mask, ..]) => self.outside_of_27(mask, descending),
+            _ => self.list_outside(rho, mask, descending),
+        }
+    }
+
+    /// Of a block that the eye sees from outside: the subcells of all parents have the same order.
+    #[inline(never)]
+    fn list_outside(&mut self, rho: u8, mask: [u32; 4], descending: [bool; 3]) {
+        let order = Order::new(descending).bits() << 16;
+        let eye = descending.map(|d| if d { i32::from(rho) } else { -1 });
+        let mut slots = self.order.iter_mut();
+        order::Order::each_row(rho, eye, &mask, |_, first, cells| {
+            let row = order | u32::from(first.subcell()) << 8 | first.rank();
+            for ((i, rank), slot) in cells.zip(&mut slots) {
+                *slot = row + (i << 8) + rank;
+            }
+        });
+        self.count = MAX_PARENTS - slots.len();
+    }
+
+    /// Of any block.
+    #[inline(never)]
+    fn list_round(&mut self, rho: u8, mask: [u32; 4], eye: [i32; 3]) {
         // By 3; of five parents' cells and those beside them a product is as good as the quotient.
         let third = |e: i32| ((e + 3) * 171 >> 9) - 1;
         let eye = eye.map(|e| e.clamp(-2, 16));
@@ -442,10 +471,9 @@ impl<'a, 'g, W> Parents<'a, 'g, W> {
         self.count == 0
     }
 
-    /// Adds the parents in `mask`, 3 x 3 x 3, of a block that the eye sees from outside: all its
-    /// subcells have the same order.
+    /// The same of 3 x 3 x 3, from tables.
     #[inline(always)]
-    pub(super) fn outside(&mut self, mask: u32, descending: [bool; 3]) {
+    fn outside_of_27(&mut self, mask: u32, descending: [bool; 3]) {
         let order = Order::new(descending);
         let (low, mid, high) = (
             order.cells(mask),

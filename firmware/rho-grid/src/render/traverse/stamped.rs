@@ -99,13 +99,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             light,
             &mut self.parents,
         );
-        match nodes.rho {
-            3 if eye.iter().all(|e| *e < 1 || *e > 7) => {
-                let [mask, ..] = nodes.mask::<3>(cell.node);
-                parents.outside(mask, eye.map(|e| e > 7));
-            }
-            rho => parents.list(rho, nodes.mask_any(cell.node), eye),
-        }
+        parents.list(nodes.rho, nodes.mask_any(cell.node), eye);
         (self.stamps).stamp::<A, V, R>(self.target, &parents, self.shading);
         true
     }
