@@ -167,13 +167,12 @@ impl<'g> Instances<'_, 'g> {
             let drawn = watch.time(Phase::Draw, || {
                 let (view, shading) = (&*self.view, &*self.scene_tones);
                 match shadows {
-                    None => {
-                        draw_turn::<M, _>(*turn, &placed, view, shading, unit, frame, self.depth)
-                    }
-                    Some(Seen { tables, map, .. }) => {
+                    // A program without shadows has no code for them.
+                    Some(Seen { tables, map, .. }) if M::SHADOWS => {
                         let shading = &tables.over(shading, map);
                         draw_turn::<M, _>(*turn, &placed, view, shading, unit, frame, self.depth)
                     }
+                    _ => draw_turn::<M, _>(*turn, &placed, view, shading, unit, frame, self.depth),
                 }
             })?;
             reach = Rect::of_both(reach, drawn);

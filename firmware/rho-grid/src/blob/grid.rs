@@ -33,7 +33,35 @@ pub enum Attributes<'a> {
     Words(&'a [u32]),
 }
 
-impl Attributes<'_> {
+impl<'a> Attributes<'a> {
+    /// Those of 16 bits; none when they have 32.
+    #[inline(always)]
+    pub(crate) fn halves(self) -> &'a [u16] {
+        match self {
+            Self::Halves(halves) => halves,
+            Self::Words(_) => &[],
+        }
+    }
+
+    /// Those of 32 bits; none when they have 16.
+    #[inline(always)]
+    pub(crate) fn words(self) -> &'a [u32] {
+        match self {
+            Self::Halves(_) => &[],
+            Self::Words(words) => words,
+        }
+    }
+
+    /// All from this one on.
+    #[inline(always)]
+    pub(crate) fn after(self, first: u32) -> Self {
+        let first = first as usize;
+        match self {
+            Self::Halves(halves) => Self::Halves(halves.get(first..).unwrap_or_default()),
+            Self::Words(words) => Self::Words(words.get(first..).unwrap_or_default()),
+        }
+    }
+
     /// How many there are.
     #[must_use]
     pub fn len(&self) -> usize {

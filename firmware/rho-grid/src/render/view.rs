@@ -174,7 +174,7 @@ impl View {
             w_bits: 0,
             over_focal: 0,
             no_backs: false,
-            cut: DiscCut::PIXELS,
+            cut: DiscCut::NONE,
             classes: Classes::empty(),
         }
     }

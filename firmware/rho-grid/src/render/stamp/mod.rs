@@ -42,7 +42,7 @@ use super::project::{Homogeneous, OverW};
 use super::view::{Step, View};
 use super::visibility::{Stamp, Visibility};
 use crate::blob::facing::TWO_SIDED;
-use crate::blob::{Layout, Level};
+use crate::blob::{Attributes, Grid, Layout, Level};
 use crate::normal::CLASS_SHIFT;
 use crate::reciprocal::Reciprocal;
 use crate::shading::Shade;
@@ -70,6 +70,12 @@ pub(super) struct DiscCut {
 }
 
 impl DiscCut {
+    /// Of a view that is not yet prepared: zeros, which cost no flash.
+    pub(super) const NONE: Self = Self {
+        radii: [0; 2],
+        least_cosine: 0,
+    };
+
     /// Into pixels. Thin leaves of a plane along a diagonal of two axes stand 1 by the root of 2 apart, so that their
     /// discs meet from 0.866 on; of any other plane they stand closer. Offsets come in eighths, so that neighbouring
     /// discs of a plane that is seen almost from its edge may stand apart by more than they are thick: they are made
@@ -174,6 +180,9 @@ pub(super) trait Fields {
     /// `[reach in 64ths of a pixel]`: offsets by step.
     const OFFSETS: &'static [Offsets; UNITS];
 
+    /// Those among a grid's words; none when they are of another size.
+    fn words<'g>(words: Attributes<'g>) -> &'g [Self::Word];
+
     /// The normal's index, 13 bits.
     fn normal(word: u32) -> u32;
 
@@ -188,7 +197,7 @@ pub(super) trait Fields {
     fn thumb<V: Visibility>(
         _: &mut Stamps<'_>,
         _: &mut V,
-        _: &Parents<'_, '_, Self::Word>,
+        _: &Parents<'_, '_>,
         _: &impl Shade,
     ) -> bool {
         false
@@ -205,6 +214,11 @@ pub(super) struct Colour;
 impl Fields for Offset {
     type Word = u16;
     const OFFSETS: &'static [Offsets; UNITS] = &EIGHT;
+
+    #[inline(always)]
+    fn words<'g>(words: Attributes<'g>) -> &'g [u16] {
+        words.halves()
+    }
 
     #[inline(always)]
     fn normal(word: u32) -> u32 {
@@ -225,7 +239,7 @@ impl Fields for Offset {
     fn thumb<V: Visibility>(
         stamps: &mut Stamps<'_>,
         target: &mut V,
-        parents: &Parents<'_, '_, u16>,
+        parents: &Parents<'_, '_>,
         shading: &impl Shade,
     ) -> bool {
         thumb::stamp::<false, _, _>(stamps, parents, target, shading)
@@ -235,6 +249,11 @@ impl Fields for Offset {
 impl Fields for Both {
     type Word = u16;
     const OFFSETS: &'static [Offsets; UNITS] = &FOUR;
+
+    #[inline(always)]
+    fn words<'g>(words: Attributes<'g>) -> &'g [u16] {
+        words.halves()
+    }
 
     #[inline(always)]
     fn normal(word: u32) -> u32 {
@@ -255,7 +274,7 @@ impl Fields for Both {
     fn thumb<V: Visibility>(
         stamps: &mut Stamps<'_>,
         target: &mut V,
-        parents: &Parents<'_, '_, u16>,
+        parents: &Parents<'_, '_>,
         shading: &impl Shade,
     ) -> bool {
         thumb::stamp::<true, _, _>(stamps, parents, target, shading)
@@ -265,6 +284,11 @@ impl Fields for Both {
 impl Fields for Colour {
     type Word = u32;
     const OFFSETS: &'static [Offsets; UNITS] = &EIGHT;
+
+    #[inline(always)]
+    fn words<'g>(words: Attributes<'g>) -> &'g [u32] {
+        words.words()
+    }
 
     #[inline(always)]
     fn normal(word: u32) -> u32 {
@@ -291,6 +315,16 @@ pub(super) enum Kind {
 }
 
 impl Kind {
+    /// Offsets by step, as [`Fields::OFFSETS`].
+    #[inline(always)]
+    fn offsets(self) -> &'static [Offsets; UNITS] {
+        match self {
+            Self::Offset => Offset::OFFSETS,
+            Self::Both => Both::OFFSETS,
+            Self::Colour => Colour::OFFSETS,
+        }
+    }
+
     /// That of a layout; `None` when it cannot be stamped.
     pub(super) fn of(layout: Layout) -> Option<Self> {
         [
@@ -321,7 +355,7 @@ pub(super) struct InLight<'a> {
 }
 
 /// The cells of a block: each is divided by 3, and its subcells are stamped.
-pub(super) struct Parents<'a, 'g, W> {
+pub(super) struct Parents<'a, 'g> {
     /// The block's centre.
     pub(super) centre: Homogeneous,
     /// From there to its subcells.
@@ -333,7 +367,9 @@ pub(super) struct Parents<'a, 'g, W> {
     /// The first of the block's parents in it.
     pub(super) first: u32,
     /// Attribute words of the level of their subcells.
-    pub(super) words: &'g [W],
+    pub(super) grid: &'g Grid<'g>,
+    /// The first of them.
+    pub(super) first_word: u32,
     /// Subcells of the block's division.
     #[cfg_attr(
         not(rho_thumb),
@@ -347,7 +383,7 @@ pub(super) struct Parents<'a, 'g, W> {
     count: usize,
 }
 
-impl<'a, 'g, W> Parents<'a, 'g, W> {
+impl<'a, 'g> Parents<'a, 'g> {
     /// No parents yet.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "fields by name")]
@@ -357,7 +393,8 @@ impl<'a, 'g, W> Parents<'a, 'g, W> {
         k: u32,
         level: &'a Level<'g>,
         first: u32,
-        words: &'g [W],
+        grid: &'g Grid<'g>,
+        first_word: u32,
         subcells: usize,
         light: Option<InLight<'a>>,
         order: &'a mut ParentList,
@@ -368,12 +405,19 @@ impl<'a, 'g, W> Parents<'a, 'g, W> {
             k,
             level,
             first,
-            words,
+            grid,
+            first_word,
             subcells,
             light,
             order,
             count: 0,
         }
+    }
+
+    /// Attribute words of the level of their subcells.
+    #[inline(always)]
+    fn words(&self) -> Attributes<'g> {
+        self.grid.attributes().after(self.first_word)
     }
 
     /// The cone of parent `node`, if the blob tells.
@@ -446,7 +490,7 @@ impl<'a, 'g, W> Parents<'a, 'g, W> {
         &self,
         order: &'b mut ParentList,
         is_wanted: impl Fn(u8) -> bool,
-    ) -> Parents<'b, 'g, W>
+    ) -> Parents<'b, 'g>
     where
         'a: 'b,
     {
@@ -542,8 +586,9 @@ impl<'v> Stamps<'v> {
     /// that no stamp has pixels beyond the frame's edge. False when it is seen too far from the axis, or not at
     /// all.
     #[inline(always)]
-    pub(super) fn turn_to<F: Fields>(
+    pub(super) fn turn_to(
         &mut self,
+        kind: Kind,
         view: &View,
         steps: &[Step; 3],
         [x, y]: [i32; 2],
@@ -575,8 +620,8 @@ impl<'v> Stamps<'v> {
         self.breadth = ((radius * length) >> 10) as u32;
 
         let reach = ((side >> 4) * self.offset_range) >> 13;
-        let offsets = F::OFFSETS.get(reach as usize);
-        self.offsets = *offsets.or(F::OFFSETS.last()).unwrap_or(&[0; 8]);
+        let all = kind.offsets();
+        self.offsets = *all.get(reach as usize).or(all.last()).unwrap_or(&[0; 8]);
 
         let packed = |s: &Step| ((s.x >> 6) as u32).wrapping_add(((s.y >> 6) as u32) << 16);
         let [sx, sy, sz] = steps;
@@ -639,12 +684,27 @@ impl<'v> Stamps<'v> {
         (((side >> 4) * 5) >> 6) + 1 + ((window(side) - 4) << 6)
     }
 
-    /// Stamps all subcells of a block's parents.
+    /// Stamps all subcells of a block's parents, whose words are of this kind.
     #[inline(always)]
-    pub(super) fn stamp<F: Fields, V: Visibility, R: Reciprocal>(
+    pub(super) fn stamp<V: Visibility, R: Reciprocal>(
+        &mut self,
+        kind: Kind,
+        target: &mut V,
+        parents: &Parents<'_, '_>,
+        shading: &impl Shade,
+    ) {
+        match kind {
+            Kind::Offset => self.stamp_all::<Offset, V, R>(target, parents, shading),
+            Kind::Both => self.stamp_all::<Both, V, R>(target, parents, shading),
+            Kind::Colour => self.stamp_all::<Colour, V, R>(target, parents, shading),
+        }
+    }
+
+    #[inline(always)]
+    fn stamp_all<F: Fields, V: Visibility, R: Reciprocal>(
         &mut self,
         target: &mut V,
-        parents: &Parents<'_, '_, F::Word>,
+        parents: &Parents<'_, '_>,
         shading: &impl Shade,
     ) {
         #[cfg(rho_thumb)]
@@ -669,12 +729,13 @@ impl<'v> Stamps<'v> {
     fn block<F: Fields, V: Visibility, R: Reciprocal>(
         &self,
         target: &mut V,
-        parents: &Parents<'_, '_, F::Word>,
+        parents: &Parents<'_, '_>,
         shading: &impl Shade,
     ) {
         let (x, y) = self.corner;
         let corner = target.corner(x, y);
         let (x, y) = self.origin(self.circle.rows() as i32);
+        let words = F::words(parents.words());
         let mut tail = [F::Word::default(); 16];
         // From entry `FIRST` on.
         let [a, b, c, d, e, f, g, h, i] = self.depths_of_plane();
@@ -719,7 +780,7 @@ impl<'v> Stamps<'v> {
                 if count == 0 {
                     continue;
                 }
-                let words = parents.words.get(first..).unwrap_or_default();
+                let words = words.get(first..).unwrap_or_default();
                 let words: &[F::Word; 16] = match words.first_chunk() {
                     Some(words) => words,
                     None => {

@@ -1,11 +1,10 @@
 //! Blocks of the walk whose samples are stamped.
 
 use super::{Cell, Open, Walk};
-use crate::blob::Attributes;
 use crate::reciprocal::Reciprocal;
 use crate::render::order;
 use crate::render::project::Homogeneous;
-use crate::render::stamp::{self, Fields, Kind, Stamps};
+use crate::render::stamp::{self, Kind, Stamps};
 use crate::render::view::Half;
 use crate::render::visibility::Visibility;
 use crate::shading::Shade;
@@ -19,24 +18,14 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         cell: &Cell,
         level: usize,
     ) -> bool {
-        match (self.kind, self.grid.attributes()) {
-            (Some(Kind::Offset), Attributes::Halves(words)) => {
-                self.stamped::<stamp::Offset, R>(words, open, cell, level)
-            }
-            (Some(Kind::Both), Attributes::Halves(words)) => {
-                self.stamped::<stamp::Both, R>(words, open, cell, level)
-            }
-            (Some(Kind::Colour), Attributes::Words(words)) => {
-                self.stamped::<stamp::Colour, R>(words, open, cell, level)
-            }
-            _ => false,
-        }
+        self.kind
+            .is_some_and(|kind| self.stamped::<R>(kind, open, cell, level))
     }
 
     #[inline(never)]
-    pub(super) fn stamped<A: Fields, R: Reciprocal>(
+    pub(super) fn stamped<R: Reciprocal>(
         &mut self,
-        words: &'g [A::Word],
+        kind: Kind,
         open: &Open,
         cell: &Cell,
         level: usize,
@@ -64,7 +53,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             return false;
         }
         if w >> 3 < dw {
-            return self.stamped_in_parts::<A, R>(words, open, cell, level);
+            return self.stamped_in_parts::<R>(kind, open, cell, level);
         }
         let (mx, my) = self.middle();
         let at = [bounds.x - mx, bounds.y - my];
@@ -74,17 +63,16 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             // What it shares with the other cells of its own parent is more than its own extent.
             let own = view.half::<R>(outer, at, Half::default(), nearest);
             if !Stamps::can_hold(view, own.x.max(own.y), side) {
-                return self.stamped_in_parts::<A, R>(words, open, cell, level);
+                return self.stamped_in_parts::<R>(kind, open, cell, level);
             }
         }
         let is_inside = self.is_within_frame(bounds, Stamps::overhang(side));
         let steps = view.steps_at::<R>(inner, at, w);
         let depths = inner.depth_steps();
-        if !(self.stamps).turn_to::<A>(view, &steps, at, side, depths, is_inside) {
+        if !(self.stamps).turn_to(kind, view, &steps, at, side, depths, is_inside) {
             return false;
         }
         let rho = i32::from(nodes.rho);
-        let words = words.get(self.first(level + 2) as usize..);
         let light = self.in_light(level, cell.place);
         // The eye's slab among all subcells.
         let eye = self.eye_slab(inner, cell.place.map(|p| p * rho), 3);
@@ -94,22 +82,23 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             view.k,
             below,
             open.first_child,
-            words.unwrap_or_default(),
+            self.grid,
+            self.first(level + 2),
             (rho * rho * rho) as usize,
             light,
             &mut self.parents,
         );
         parents.list(nodes.rho, nodes.mask_any(cell.node), eye);
-        (self.stamps).stamp::<A, V, R>(self.target, &parents, self.shading);
+        (self.stamps).stamp::<V, R>(kind, self.target, &parents, self.shading);
         true
     }
 
     /// The same for a block that is too large or too near: cut in two along each axis, so that a part has half as
     /// many parents a side, or one more.
     #[inline(never)]
-    fn stamped_in_parts<A: Fields, R: Reciprocal>(
+    fn stamped_in_parts<R: Reciprocal>(
         &mut self,
-        words: &'g [A::Word],
+        kind: Kind,
         open: &Open,
         cell: &Cell,
         level: usize,
@@ -144,7 +133,6 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         if !Stamps::can_hold(view, half.x.max(half.y), side) || !Stamps::sees(view, farthest) {
             return false;
         }
-        let words = words.get(self.first(level + 2) as usize..);
         let eye = self.eye_slab(inner, cell.place.map(|p| p * rho), 3);
         let mut all = stamp::NO_PARENTS;
         let mut listed = stamp::Parents::new(
@@ -153,7 +141,8 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
             view.k,
             below,
             open.first_child,
-            words.unwrap_or_default(),
+            self.grid,
+            self.first(level + 2),
             (rho * rho * rho) as usize,
             self.in_light(level, cell.place),
             &mut all,
@@ -189,9 +178,9 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
                     .all(|(p, upper)| (*p >= cut) == upper)
             });
             if !parts.is_empty()
-                && (self.stamps).turn_to::<A>(view, &steps, [x, y], side, depths, is_inside)
+                && (self.stamps).turn_to(kind, view, &steps, [x, y], side, depths, is_inside)
             {
-                (self.stamps).stamp::<A, V, R>(self.target, &parts, self.shading);
+                (self.stamps).stamp::<V, R>(kind, self.target, &parts, self.shading);
             }
         }
         true

@@ -316,7 +316,7 @@ impl Loops {
         &mut self,
         classes: &Classes,
         backs: bool,
-        parents: &Parents<'_, '_, u16>,
+        parents: &Parents<'_, '_>,
         shading: &S,
         kind: (bool, bool),
     ) {
@@ -376,7 +376,7 @@ impl Loops {
         block.displacements = parents.displacements.as_ptr();
         block.bases = parents.level.bases.as_ptr();
         block.firsts = parents.level.offsets.as_ptr();
-        block.words = parents.words.as_ptr();
+        block.words = parents.words().halves().as_ptr();
         block.cones = match parents.level.cones {
             cones if backs || cones.is_empty() => core::ptr::null(),
             cones => cones.as_ptr(),
@@ -421,7 +421,7 @@ impl Loops {
 #[inline(always)]
 pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     stamps: &mut Stamps<'_>,
-    parents: &Parents<'_, '_, u16>,
+    parents: &Parents<'_, '_>,
     target: &mut V,
     shading: &S,
 ) -> bool {
