@@ -217,7 +217,7 @@ impl Order {
 #[inline(always)]
 fn plane(rho: u32, mask: &[u32; 4], k: u32) -> u32 {
     let bit = rho * rho * k;
-    let all = (1 << (rho * rho & 31)) - 1;
+    let all = (1 << ((rho * rho) & 31)) - 1;
     if rho <= 3 {
         let [low, ..] = *mask;
         return (low >> (bit & 31)) & all;

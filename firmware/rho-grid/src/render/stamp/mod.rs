@@ -118,6 +118,8 @@ pub(super) struct Stamps<'v> {
     /// From a plane of cells to the next.
     along_z: u32,
     offsets: Offsets,
+    /// [`Fields::OFFSETS`] of the grid's words.
+    offsets_by_reach: &'static [Offsets; UNITS],
     /// What an offset may reach, in 128ths of a cell's side.
     offset_range: i32,
     /// From the middle of a plane of 3 x 3 cells to each.
@@ -469,7 +471,7 @@ impl<'a, 'g> Parents<'a, 'g> {
     #[inline(never)]
     fn list_round(&mut self, rho: u8, mask: [u32; 4], eye: [i32; 3]) {
         // By 3; of five parents' cells and those beside them a product is as good as the quotient.
-        let third = |e: i32| ((e + 3) * 171 >> 9) - 1;
+        let third = |e: i32| (((e + 3) * 171) >> 9) - 1;
         let eye = eye.map(|e| e.clamp(-2, 16));
         // Of each axis, how many of the parents have the eye beyond their middle.
         let [beyond_x, beyond_y, beyond_z] = eye.map(|e| third(e + 1).max(0) as u32);
@@ -546,9 +548,10 @@ impl<'a, 'g> Parents<'a, 'g> {
 const REACH: i32 = 32;
 
 impl<'v> Stamps<'v> {
-    /// For blocks that `view` shows, whose samples' offsets reach so far (128ths of a cell's side).
-    pub(super) fn new(view: &'v View, offset_range: u8) -> Self {
+    /// For blocks that `view` shows, of a grid with this layout.
+    pub(super) fn new(view: &'v View, layout: Layout) -> Self {
         Self {
+            offsets_by_reach: Kind::of(layout).unwrap_or(Kind::Offset).offsets(),
             classes: &view.classes,
             sight: Sight::AHEAD,
             backs: !view.no_backs,
@@ -556,7 +559,7 @@ impl<'v> Stamps<'v> {
             breadth: 0,
             cut: view.cut,
             offsets: [0; 8],
-            offset_range: offset_range.into(),
+            offset_range: layout.offset_range.into(),
             cells: [0; 9],
             along_z: 0,
             depths: [0; 3],
@@ -588,7 +591,6 @@ impl<'v> Stamps<'v> {
     #[inline(always)]
     pub(super) fn turn_to(
         &mut self,
-        kind: Kind,
         view: &View,
         steps: &[Step; 3],
         [x, y]: [i32; 2],
@@ -620,7 +622,7 @@ impl<'v> Stamps<'v> {
         self.breadth = ((radius * length) >> 10) as u32;
 
         let reach = ((side >> 4) * self.offset_range) >> 13;
-        let all = kind.offsets();
+        let all = self.offsets_by_reach;
         self.offsets = *all.get(reach as usize).or(all.last()).unwrap_or(&[0; 8]);
 
         let packed = |s: &Step| ((s.x >> 6) as u32).wrapping_add(((s.y >> 6) as u32) << 16);

@@ -150,7 +150,7 @@ pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
         shading,
         target,
         kind: Kind::of(grid.layout()).filter(|_| !meets(shading)),
-        stamps: Stamps::new(view, grid.layout().offset_range),
+        stamps: Stamps::new(view, grid.layout()),
         parents: stamp::NO_PARENTS,
     }
     .run::<F, R>()

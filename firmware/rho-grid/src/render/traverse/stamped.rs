@@ -69,7 +69,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         let is_inside = self.is_within_frame(bounds, Stamps::overhang(side));
         let steps = view.steps_at::<R>(inner, at, w);
         let depths = inner.depth_steps();
-        if !(self.stamps).turn_to(kind, view, &steps, at, side, depths, is_inside) {
+        if !(self.stamps).turn_to(view, &steps, at, side, depths, is_inside) {
             return false;
         }
         let rho = i32::from(nodes.rho);
@@ -149,10 +149,9 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
         );
         listed.list(nodes.rho, nodes.mask_any(cell.node), eye);
         // Of each axis, whether the part beyond the cut comes first.
-        let beyond = eye.map(|e| e >= 3 * cut);
+        let [x, y, z] = eye.map(|e| e >= 3 * cut);
         for n in 0..8 {
-            let is_upper: [bool; 3] =
-                core::array::from_fn(|axis| (n >> axis & 1 == 1) != beyond[axis]);
+            let is_upper = [(n & 1 == 1) != x, (n & 2 == 2) != y, (n & 4 == 4) != z];
             let mut centre = cell.centre;
             for (upper, edge) in is_upper.into_iter().zip(outer.half_edges()) {
                 // From the middle of all to the part's, in parts of half an edge.
@@ -178,7 +177,7 @@ impl<'g, 'v, V: Visibility, S: Shade> Walk<'g, 'v, V, S> {
                     .all(|(p, upper)| (*p >= cut) == upper)
             });
             if !parts.is_empty()
-                && (self.stamps).turn_to(kind, view, &steps, [x, y], side, depths, is_inside)
+                && (self.stamps).turn_to(view, &steps, [x, y], side, depths, is_inside)
             {
                 (self.stamps).stamp::<V, R>(kind, self.target, &parts, self.shading);
             }
