@@ -209,8 +209,9 @@ impl Span {
     /// Those from `x0` to `x1`.
     #[inline(always)]
     pub fn within(self, x0: u32, x1: u32) -> Range<u32> {
-        let first = self.first.max(x0 as i32);
-        let end = (self.last.min(x1 as i32) + 1).max(first);
+        let (x0, x1) = (x0 as i32, x1 as i32);
+        let first = self.first.clamp(x0, x1 + 1);
+        let end = (self.last.min(x1) + 1).max(first);
         first as u32..end as u32
     }
 }
@@ -415,12 +416,9 @@ impl EyeOrder<'_, '_> {
             let covered = self.covered.get(at as usize).copied().unwrap_or(u32::MAX);
             let mut open = mask & !covered;
             if open != 0 {
-                let columns = shape
-                    .row(y)
-                    .within(r.x0.max(word << 5), r.x1.min(word << 5 | 31));
-                let held = u64::MAX << (columns.start & 31);
-                let beyond = u64::MAX << (columns.end - (word << 5));
-                open &= (held & !beyond) as u32;
+                let columns = shape.row(y).within(word << 5, word << 5 | 31);
+                let from = |column: u32| u64::MAX << (column - (word << 5));
+                open &= (from(columns.start) & !from(columns.end)) as u32;
                 if let Some(covered) = self.covered.get_mut(at as usize) {
                     *covered |= open;
                 }
@@ -682,6 +680,42 @@ mod tests {
         eye.draw(rect(40, 50, 0, 1), 0, || panic!("no pixel is open"));
         assert_eq!(buffer[29..32], [2, 1, 1]);
         assert_eq!(buffer[129..132], [0, 1, 1]);
+    }
+
+    struct Rows([Span; 7]);
+
+    impl Shape for Rows {
+        fn row(&self, y: u32) -> Span {
+            self.0[y as usize]
+        }
+    }
+
+    #[test]
+    fn of_a_shape_each_row_is_drawn_from_its_first_to_its_last_column_in_the_rectangle() {
+        let span = |first, last| Span { first, last };
+        let rows = Rows([
+            span(-9, 3),
+            span(40, 50),
+            span(31, 32),
+            span(64, 64),
+            span(70, 300),
+            span(120, 130),
+            Span::NONE,
+        ]);
+        for (x0, x1) in [(0, 99), (0, 31), (2, 45), (33, 63), (45, 80)] {
+            let mut buffer = [0; 100 * 7];
+            let mut frame = Frame::new(&mut buffer, 100, 7).unwrap();
+            let mut bits = [0; 28];
+            let mut eye = EyeOrder::new(&mut frame, &mut bits).unwrap();
+            eye.draw_shape(rect(x0, x1, 0, 6), 0, &rows, || 1);
+            for (y, row) in buffer.chunks(100).enumerate() {
+                for (x, pixel) in (0..).zip(row) {
+                    let Span { first, last } = rows.0[y];
+                    let held = (first.max(x0 as i32)..=last.min(x1 as i32)).contains(&x);
+                    assert_eq!(*pixel == 1, held, "{x} {y} of {x0} to {x1}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -581,7 +581,9 @@ impl<'v> Stamps<'v> {
 
     /// Whether what is projected up to here (Q8 from the axis, along x and y) is seen near enough to the axis.
     pub(super) fn sees(view: &View, [x, y]: [i32; 2]) -> bool {
-        Sight::new([view.tangent(x), view.tangent(y)]).is_some()
+        // Far beyond what is near enough, so that squares fit.
+        let tangent = |v: i32| view.tangent(v).clamp(-1024, 1024);
+        Sight::new([tangent(x), tangent(y)]).is_some()
     }
 
     /// For a block that they [can hold](Self::can_hold), whose centre is projected to (x, y) (Q8 from the
