@@ -260,22 +260,16 @@ impl Shade for Shading<'_> {
 /// bright, twice as many as a channel of RGB565 has; with eight there are 16. Of two opposite normals
 /// one faces away from the light, so four sums shade eight normals.
 pub(crate) fn even_tones(tones: &mut [u8; COUNT], materials: usize, towards: [Unit; 3]) {
-    let steps = steps(materials) as i32;
-    // The brightest step at 2^8; with a normal's 2^14, a step is 2^22.
-    let [lx, ly, lz] = towards.map(|c| (i32::from(c.to_bits()) * (steps - 1)) >> 6);
+    let [lx, ly, lz] = stepped(towards, steps(materials));
     let (front, opposite) = tones.split_at_mut(COUNT / 2);
     let (front, _) = front.as_chunks_mut::<OCTANT>();
     let (opposite, _) = opposite.as_chunks_mut::<OCTANT>();
     let ([f0, f1, f2, f3], [b0, b1, b2, b3]) = (front, opposite) else {
         return;
     };
-    // Half a step is added, so that a step is rounded to nearest; doubled, plus one. What faces
-    // away is negative, and dark.
-    let half = 1 << 21;
-    let tone = |sum: i32| ((sum >> 21).clamp(0, 255) | 1) as u8;
     let pair = |front: &mut u8, opposite: &mut u8, sum: i32| {
-        *front = tone(half + sum);
-        *opposite = tone(half - sum);
+        *front = even_tone(sum);
+        *opposite = even_tone(-sum);
     };
     let fronts = f0.iter_mut().zip(f1).zip(f2).zip(f3);
     let opposites = b0.iter_mut().zip(b1).zip(b2).zip(b3);
@@ -291,22 +285,32 @@ pub(crate) fn even_tones(tones: &mut [u8; COUNT], materials: usize, towards: [Un
     }
 }
 
+/// A direction in which the brightest of `steps` is at 2^8: with a normal's 2^14, a step is 2^22.
+fn stepped(towards: [Unit; 3], steps: usize) -> [i32; 3] {
+    towards.map(|c| (i32::from(c.to_bits()) * (steps as i32 - 1)) >> 6)
+}
+
+/// The tone of such a product with a normal, doubled, plus one. Half a step is added, so that a step is rounded to
+/// nearest; what faces away is negative, and dark.
+#[inline(always)]
+fn even_tone(sum: i32) -> u8 {
+    (((sum + (1 << 21)) >> 21).clamp(0, 255) | 1) as u8
+}
+
 /// As [`even_tones`], of every fourth normal and of all materials side by side: eight bytes a normal, in words.
 pub(crate) fn even_tones_of_several(tones: &mut [[u32; 2]], materials: usize, towards: [Unit; 3]) {
-    let steps = steps(materials) as i32;
-    let light = towards.map(|c| (i32::from(c.to_bits()) * (steps - 1)) >> 6);
+    let steps = steps(materials);
+    let [lx, ly, lz] = stepped(towards, steps);
     let materials: [u32; 2] = [0u32, 4].map(|first| {
         let tone = |m: u32| (2 * steps as u32 * (first + m)) & 255;
         tone(0) | tone(1) << 8 | tone(2) << 16 | tone(3) << 24
     });
     for (octant, tones) in tones.chunks_exact_mut(OCTANT / 4).enumerate() {
         let turned = |axis: usize, c: i32| if octant >> (2 - axis) & 1 == 1 { -c } else { c };
-        let [lx, ly, lz] = light;
         let (lx, ly, lz) = (turned(0, lx), turned(1, ly), turned(2, lz));
         for (pair, face) in tones.iter_mut().zip(FACES.iter().step_by(4)) {
             let [x, y, z] = face.map(i32::from);
-            let sum = x * lx + y * ly + z * lz;
-            let tone = ((sum + (1 << 21)) >> 21).clamp(0, 255) as u32 | 1;
+            let tone = u32::from(even_tone(x * lx + y * ly + z * lz));
             // Of eight materials each has 16 steps: no sum is carried into the next byte of those that there are.
             *pair = materials.map(|m| m.wrapping_add(tone * 0x0101_0101));
         }

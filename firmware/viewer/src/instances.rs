@@ -187,7 +187,9 @@ impl<'g> Instances<'_, 'g> {
         Ok(all)
     }
 
-    /// The instance whose turn it is, its tables made; `None` when it is too far away.
+    /// The instance whose turn it is, its tables made; `None` when it is too far away. A function of its own: what it
+    /// takes on the stack is free again when the instance is drawn.
+    #[inline(never)]
     fn placed<C: Counter>(
         &mut self,
         turn: Turn,

@@ -10,6 +10,7 @@
 //! board uses; [`draw_mode`] has them all and is for boards and hosts that choose at run time.
 
 mod disc;
+mod eye_order;
 pub mod footprint;
 mod order;
 mod project;
@@ -20,14 +21,17 @@ mod tones;
 mod traverse;
 mod view;
 mod visibility;
+mod z_buffer;
 
 pub use crate::camera::ViewError;
+pub use eye_order::EyeOrder;
 pub use quarters::{Blend, bands, quarter_words};
 pub use shadow::ShadowView;
 pub use tones::{Tones, tone_words};
 pub use traverse::draw;
 pub use view::View;
-pub use visibility::{Canvas, EyeOrder, Rect, Shape, Span, Stamp, Visibility, ZBuffer};
+pub use visibility::{Canvas, Rect, Shape, Span, Stamp, Visibility};
+pub use z_buffer::ZBuffer;
 
 use crate::blob::Grid;
 use crate::frame::Frame;

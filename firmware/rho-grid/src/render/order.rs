@@ -117,7 +117,7 @@ impl Order {
             let eye = eye.clamp(0, rho as i32 - 1) as usize & 7;
             axis.get(eye).unwrap_or(&[Few(0); 32])
         };
-        let all = |rows: &[Few; 32]| rows.get((1 << rho & 63) - 1).copied().unwrap_or(Few(0));
+        let all = |rows: &[Few; 32]| rows.get((1 << rho) - 1).copied().unwrap_or(Few(0));
         let [x, y, z] = eye;
         Self {
             rho,

@@ -26,8 +26,10 @@
 
 mod classes;
 mod edge;
+mod fields;
 mod lists;
 mod mask;
+mod parents;
 mod sight;
 #[cfg(rho_thumb)]
 mod thumb;
@@ -35,18 +37,20 @@ mod thumb;
 pub(super) use thumb::{STRIDE, clear, is_covered, next_to_fill};
 
 pub(super) use classes::Classes;
+pub(super) use fields::Kind;
+pub(super) use parents::{InLight, ParentList, Parents};
 pub(super) use sight::Sight;
 
-use super::order;
-use super::project::{Homogeneous, OverW};
+use super::project::OverW;
 use super::view::{Step, View};
 use super::visibility::{Stamp, Visibility};
+use crate::blob::Layout;
 use crate::blob::facing::TWO_SIDED;
-use crate::blob::{Attributes, Grid, Layout, Level};
 use crate::normal::CLASS_SHIFT;
 use crate::reciprocal::Reciprocal;
 use crate::shading::Shade;
 use edge::Edges;
+use fields::{Both, Colour, Fields, Offset, Offsets, UNITS};
 use lists::{FIRST, Order};
 use mask::Circle;
 
@@ -136,412 +140,6 @@ pub(super) struct Stamps<'v> {
     edges: Option<Edges>,
     #[cfg(rho_thumb)]
     loops: thumb::Loops,
-}
-
-/// By offset step: 32nds of a pixel.
-type Offsets = [i8; 8];
-
-/// How far the largest offset may reach: 224 64ths of a pixel, for cells of 4 pixels and leaves of all layouts.
-const UNITS: usize = 224;
-
-static EIGHT: [Offsets; UNITS] = steps(8);
-static FOUR: [Offsets; UNITS] = steps(4);
-
-/// Offsets in so many steps, each in the middle of its part of all that they may reach. Of four steps all eight
-/// entries tell, whatever stands above them in a word.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "evaluated by the compiler, where an index out of range is an error"
-)]
-const fn steps(count: i32) -> [Offsets; UNITS] {
-    let mut all = [[0; 8]; UNITS];
-    let mut unit = 0;
-    while unit < UNITS {
-        // 4096ths of a pixel; rounded to 32nds.
-        let reach = unit as i32 * 64 + 32;
-        let first = 64 - (count - 1) * reach / count;
-        let mut step = 0;
-        while step < 8 {
-            let along = reach * (step as i32 % count) * 2 / count;
-            all[unit][step] = ((first + along) >> 7) as i8;
-            step += 1;
-        }
-        unit += 1;
-    }
-    all
-}
-
-/// Most parents of a block: it is divided by 5.
-const MAX_PARENTS: usize = 125;
-
-/// What a stamp reads of an attribute word; one type for each layout that can be stamped.
-pub(super) trait Fields {
-    /// A word in flash.
-    type Word: Copy + Default + Into<u32>;
-
-    /// `[reach in 64ths of a pixel]`: offsets by step.
-    const OFFSETS: &'static [Offsets; UNITS];
-
-    /// Those among a grid's words; none when they are of another size.
-    fn words<'g>(words: Attributes<'g>) -> &'g [Self::Word];
-
-    /// The normal's index, 13 bits.
-    fn normal(word: u32) -> u32;
-
-    /// The offset's step; bits above it are ignored.
-    fn offset(word: u32) -> u32;
-
-    /// What it looks like.
-    fn colour(shading: &impl Shade, word: u32) -> u16;
-
-    /// Stamps all of a block's parents in assembly, if that is made for such words and this target.
-    #[cfg(rho_thumb)]
-    fn thumb<V: Visibility>(
-        _: &mut Stamps<'_>,
-        _: &mut V,
-        _: &Parents<'_, '_>,
-        _: &impl Shade,
-    ) -> bool {
-        false
-    }
-}
-
-/// A normal of 13 bits over an offset of 3.
-pub(super) struct Offset;
-/// A normal of 11 bits over a material of 3 over an offset of 2.
-pub(super) struct Both;
-/// A colour over a normal of 13 bits over an offset of 3.
-pub(super) struct Colour;
-
-impl Fields for Offset {
-    type Word = u16;
-    const OFFSETS: &'static [Offsets; UNITS] = &EIGHT;
-
-    #[inline(always)]
-    fn words<'g>(words: Attributes<'g>) -> &'g [u16] {
-        words.halves()
-    }
-
-    #[inline(always)]
-    fn normal(word: u32) -> u32 {
-        word >> 3
-    }
-
-    #[inline(always)]
-    fn offset(word: u32) -> u32 {
-        word
-    }
-
-    #[inline(always)]
-    fn colour(shading: &impl Shade, word: u32) -> u16 {
-        shading.of_normal(word >> 3)
-    }
-
-    #[cfg(rho_thumb)]
-    fn thumb<V: Visibility>(
-        stamps: &mut Stamps<'_>,
-        target: &mut V,
-        parents: &Parents<'_, '_>,
-        shading: &impl Shade,
-    ) -> bool {
-        thumb::stamp::<false, _, _>(stamps, parents, target, shading)
-    }
-}
-
-impl Fields for Both {
-    type Word = u16;
-    const OFFSETS: &'static [Offsets; UNITS] = &FOUR;
-
-    #[inline(always)]
-    fn words<'g>(words: Attributes<'g>) -> &'g [u16] {
-        words.halves()
-    }
-
-    #[inline(always)]
-    fn normal(word: u32) -> u32 {
-        word >> 5 << 2
-    }
-
-    #[inline(always)]
-    fn offset(word: u32) -> u32 {
-        word & 3
-    }
-
-    #[inline(always)]
-    fn colour(shading: &impl Shade, word: u32) -> u16 {
-        shading.colour(word)
-    }
-
-    #[cfg(rho_thumb)]
-    fn thumb<V: Visibility>(
-        stamps: &mut Stamps<'_>,
-        target: &mut V,
-        parents: &Parents<'_, '_>,
-        shading: &impl Shade,
-    ) -> bool {
-        thumb::stamp::<true, _, _>(stamps, parents, target, shading)
-    }
-}
-
-impl Fields for Colour {
-    type Word = u32;
-    const OFFSETS: &'static [Offsets; UNITS] = &EIGHT;
-
-    #[inline(always)]
-    fn words<'g>(words: Attributes<'g>) -> &'g [u32] {
-        words.words()
-    }
-
-    #[inline(always)]
-    fn normal(word: u32) -> u32 {
-        word >> 3 & 0x1FFF
-    }
-
-    #[inline(always)]
-    fn offset(word: u32) -> u32 {
-        word
-    }
-
-    #[inline(always)]
-    fn colour(shading: &impl Shade, word: u32) -> u16 {
-        shading.colour(word)
-    }
-}
-
-/// Which [`Fields`] a grid's words have.
-#[derive(Clone, Copy)]
-pub(super) enum Kind {
-    Offset,
-    Both,
-    Colour,
-}
-
-impl Kind {
-    /// Offsets by step, as [`Fields::OFFSETS`].
-    #[inline(always)]
-    fn offsets(self) -> &'static [Offsets; UNITS] {
-        match self {
-            Self::Offset => Offset::OFFSETS,
-            Self::Both => Both::OFFSETS,
-            Self::Colour => Colour::OFFSETS,
-        }
-    }
-
-    /// That of a layout; `None` when it cannot be stamped.
-    pub(super) fn of(layout: Layout) -> Option<Self> {
-        [
-            (Self::Offset, [Layout::OFFSET_THIN, Layout::OFFSET]),
-            (Self::Both, [Layout::BOTH_THIN, Layout::BOTH]),
-            (Self::Colour, [Layout::COLOUR_THIN, Layout::COLOUR]),
-        ]
-        .into_iter()
-        .find(|(_, layouts)| layouts.contains(&layout))
-        .map(|(kind, _)| kind)
-    }
-}
-
-/// Room for the parents of a block.
-pub(super) type ParentList = [u32; MAX_PARENTS];
-/// None.
-pub(super) const NO_PARENTS: ParentList = [0; MAX_PARENTS];
-
-/// A block in the light ([`ShadowView`](crate::render::ShadowView)).
-#[derive(Clone, Copy)]
-pub(super) struct InLight<'a> {
-    /// Its centre.
-    pub(super) at: u32,
-    /// From there to its parents.
-    pub(super) parents: &'a [u32],
-    /// From each of them to its subcells.
-    pub(super) cells: &'a [u32; 27],
-}
-
-/// The cells of a block: each is divided by 3, and its subcells are stamped.
-pub(super) struct Parents<'a, 'g> {
-    /// The block's centre.
-    pub(super) centre: Homogeneous,
-    /// From there to its subcells.
-    pub(super) displacements: &'a [Homogeneous],
-    /// Exponent of the projection ([`super::project`]).
-    pub(super) k: u32,
-    /// The parents' level.
-    pub(super) level: &'a Level<'g>,
-    /// The first of the block's parents in it.
-    pub(super) first: u32,
-    /// Attribute words of the level of their subcells.
-    pub(super) grid: &'g Grid<'g>,
-    /// The first of them.
-    pub(super) first_word: u32,
-    /// Subcells of the block's division.
-    #[cfg_attr(
-        not(rho_thumb),
-        allow(dead_code, reason = "part of an argument of safety")
-    )]
-    pub(super) subcells: usize,
-    /// The block in the light, if that matters.
-    pub(super) light: Option<InLight<'a>>,
-    /// Its parents from front to back.
-    order: &'a mut ParentList,
-    count: usize,
-}
-
-impl<'a, 'g> Parents<'a, 'g> {
-    /// No parents yet.
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments, reason = "fields by name")]
-    pub(super) fn new(
-        centre: Homogeneous,
-        displacements: &'a [Homogeneous],
-        k: u32,
-        level: &'a Level<'g>,
-        first: u32,
-        grid: &'g Grid<'g>,
-        first_word: u32,
-        subcells: usize,
-        light: Option<InLight<'a>>,
-        order: &'a mut ParentList,
-    ) -> Self {
-        Self {
-            centre,
-            displacements,
-            k,
-            level,
-            first,
-            grid,
-            first_word,
-            subcells,
-            light,
-            order,
-            count: 0,
-        }
-    }
-
-    /// Attribute words of the level of their subcells.
-    #[inline(always)]
-    fn words(&self) -> Attributes<'g> {
-        self.grid.attributes().after(self.first_word)
-    }
-
-    /// The cone of parent `node`, if the blob tells.
-    #[inline(always)]
-    fn cone(&self, node: u32) -> Option<u16> {
-        self.level.cones.get(node as usize).copied()
-    }
-
-    /// Adds the parent in `subcell` of the block, the `rank`th of the block's; its own subcells
-    /// come in `order`.
-    #[inline(always)]
-    fn push(&mut self, subcell: u32, rank: u32, order: Order) {
-        if let Some(slot) = self.order.get_mut(self.count) {
-            *slot = order.bits() << 16 | subcell << 8 | rank;
-            self.count += 1;
-        }
-    }
-
-    /// Adds the parents in `mask` of a block divided by `rho`; `eye` is the eye's slab among all their subcells.
-    #[inline(always)]
-    pub(super) fn list(&mut self, rho: u8, mask: [u32; 4], eye: [i32; 3]) {
-        let last = 3 * i32::from(rho) - 1;
-        if !eye.iter().all(|e| *e < 1 || *e >= last) {
-            return self.list_round(rho, mask, eye);
-        }
-        let descending = eye.map(|e| e >= last);
-        match (rho, mask) {
-            (3, [mask, ..]) => self.outside_of_27(mask, descending),
-            _ => self.list_outside(rho, mask, descending),
-        }
-    }
-
-    /// Of a block that the eye sees from outside: the subcells of all parents have the same order.
-    #[inline(never)]
-    fn list_outside(&mut self, rho: u8, mask: [u32; 4], descending: [bool; 3]) {
-        let order = Order::new(descending).bits() << 16;
-        let eye = descending.map(|d| if d { i32::from(rho) } else { -1 });
-        let mut slots = self.order.iter_mut();
-        order::Order::each_row(rho, eye, &mask, |_, first, cells| {
-            let row = order | u32::from(first.subcell()) << 8 | first.rank();
-            for ((i, rank), slot) in cells.zip(&mut slots) {
-                *slot = row + (i << 8) + rank;
-            }
-        });
-        self.count = MAX_PARENTS - slots.len();
-    }
-
-    /// Of any block.
-    #[inline(never)]
-    fn list_round(&mut self, rho: u8, mask: [u32; 4], eye: [i32; 3]) {
-        // By 3; of five parents' cells and those beside them a product is as good as the quotient.
-        let third = |e: i32| (((e + 3) * 171) >> 9) - 1;
-        let eye = eye.map(|e| e.clamp(-2, 16));
-        // Of each axis, how many of the parents have the eye beyond their middle.
-        let [beyond_x, beyond_y, beyond_z] = eye.map(|e| third(e + 1).max(0) as u32);
-        let mut slots = self.order.iter_mut();
-        order::Order::each_row(rho, eye.map(third), &mask, |[j, k], first, cells| {
-            let order = Order::new([false, j < beyond_y, k < beyond_z]).bits();
-            let row = order << 16 | u32::from(first.subcell()) << 8 | first.rank();
-            for ((i, rank), slot) in cells.zip(&mut slots) {
-                let beyond = u32::from(i < beyond_x) * Order::OPPOSITE;
-                *slot = (row + (i << 8) + rank) ^ beyond << 16;
-            }
-        });
-        self.count = MAX_PARENTS - slots.len();
-    }
-
-    /// Those in some of the block's subcells, in the same order, listed in `order`.
-    pub(super) fn those_in<'b>(
-        &self,
-        order: &'b mut ParentList,
-        is_wanted: impl Fn(u8) -> bool,
-    ) -> Parents<'b, 'g>
-    where
-        'a: 'b,
-    {
-        let listed = self.order.get(..self.count).unwrap_or_default();
-        let wanted = listed
-            .iter()
-            .filter(|entry| is_wanted((**entry >> 8) as u8));
-        let mut count = 0;
-        for (slot, entry) in order.iter_mut().zip(wanted) {
-            *slot = *entry;
-            count += 1;
-        }
-        Parents {
-            order,
-            count,
-            ..*self
-        }
-    }
-
-    /// Whether there are none.
-    pub(super) fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
-    /// The same of 3 x 3 x 3, from tables.
-    #[inline(always)]
-    fn outside_of_27(&mut self, mask: u32, descending: [bool; 3]) {
-        let order = Order::new(descending);
-        let (low, mid, high) = (
-            order.cells(mask),
-            order.cells(mask >> 9),
-            order.cells(mask >> 18),
-        );
-        let ranks = [0, low.1, low.1 + mid.1];
-        let planes = [(low, 0, ranks[0]), (mid, 9, ranks[1]), (high, 18, ranks[2])];
-        for ((cells, count), plane, ranks) in order.planes(planes) {
-            let mut add = |entry: &u8| {
-                let entry = u32::from(*entry);
-                let subcell = (entry & 15) - FIRST + plane;
-                self.push(subcell, (entry >> 4) + ranks as u32, order);
-            };
-            let cells = cells.iter().take(count);
-            if order.is_backwards() {
-                cells.rev().for_each(&mut add);
-            } else {
-                cells.for_each(&mut add);
-            }
-        }
-    }
 }
 
 /// Half the window of packed places, in pixels.
@@ -747,7 +345,7 @@ impl<'v> Stamps<'v> {
         let [a, b, c, d, e, f, g, h, i] = self.cells;
         let places = [0, 0, a, b, c, d, e, f, g, h, i, 0, 0, 0, 0, 0];
         let [.., deep_z] = self.depths;
-        for parent in parents.order.iter().take(parents.count) {
+        for parent in parents.order.entries() {
             let order = Order::from_bits(parent >> 16);
             let subcell = (parent >> 8 & 255) as usize;
             let Some(d) = parents.displacements.get(subcell) else {

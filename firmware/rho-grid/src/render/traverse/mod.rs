@@ -138,6 +138,8 @@ struct Walk<'g, 'v, V, S> {
 ///
 /// Every loop is bounded by the number of nodes; the stack is bounded by the subdivisions. Returns
 /// the pixels that the cube may reach.
+// Not joined into its callers: the frames of several ways to draw would stand on the stack together.
+#[inline(never)]
 pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
     grid: &Grid<'_>,
     view: &View,
@@ -151,7 +153,7 @@ pub fn draw<V: Visibility, F: Footprint, R: Reciprocal>(
         target,
         kind: Kind::of(grid.layout()).filter(|_| !meets(shading)),
         stamps: Stamps::new(view, grid.layout()),
-        parents: stamp::NO_PARENTS,
+        parents: stamp::ParentList::EMPTY,
     }
     .run::<F, R>()
 }

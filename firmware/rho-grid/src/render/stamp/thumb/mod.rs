@@ -14,7 +14,7 @@
 //! into is compared each time. The rest is set
 //! for each block.
 //!
-//! * *order*: `count` entries, at least one, made by [`Parents`].
+//! * *order*: `count` entries, at least one, made by [`ParentList`](super::ParentList).
 //! * *displacements*: an entry's subcell comes from a mask, which names subcells of the block's
 //!   division only ([`Grid`](crate::blob::Grid) again); [`stamp`] checks that all have theirs.
 //! * *masks, cones, bases, offsets, words*: an entry's rank is below the number of the block's children;
@@ -32,7 +32,7 @@
 //! * *in the light*: displacements by subcell and by a list's number, as above; of what a word is moved by,
 //!   its upper seven and its lowest three bits; the map by as many bits of u and of v as its side has, which
 //!   [`stamp`] compares with its length.
-//! * *columns, rows*: six bits of a place.
+//! * *columns, rows*: six bits of a place, of a large disc's tiles four more; [`Edges`] have as many.
 //! * *pixels*: places have six bits each, so windows begin within 64 x 64 pixels of the corner, and
 //!   [`stamp`] checks that those and three more, each way, are in the frame's bytes, or seven of large discs. Where stamps may reach
 //!   beyond the frame, a window is touched only if one of its pixels is in it ([`Edges`]): all of those are
@@ -56,7 +56,8 @@ use core::mem::MaybeUninit;
 use super::edge::{Edges, Within};
 use super::lists::{FIRST, LISTS, Lists};
 use super::mask::{Direction, STRIPS, Strips, TILES, WIDE, Wide};
-use super::{Circle, Classes, FAR_AWAY, MAX_PARENTS, Parents, Stamps, classes};
+use super::parents::MAX_PARENTS;
+use super::{Circle, Classes, FAR_AWAY, Parents, Stamps, classes};
 use crate::blob::facing::{TWO_SIDED, WIDTH_BITS};
 use crate::blob::format::MAX_MATERIALS;
 use crate::normal::COUNT;
@@ -254,8 +255,9 @@ unsafe extern "C" {
 pub(super) struct Loops {
     /// Within the frame, and at its edges; none where blocks are drawn by other means.
     loops: Option<[Loop; 2]>,
-    /// Of large discs, and of those at the edges; what is drawn less goes by the latter alone.
-    large: Option<[Loop; 2]>,
+    /// The same of large discs. Those that are drawn less have no loop within the frame: they go by the one that looks
+    /// at its edges.
+    large: Option<(Option<Loop>, Loop)>,
     /// Whether they draw into a band, and against depths.
     kind: (bool, bool),
     /// For the level whose masks it points to.
@@ -384,10 +386,10 @@ impl Loops {
         block.width = TWO_SIDED;
         self.large = match (is_band, BOTH) {
             _ if is_deep || shadows.is_some() => None,
-            (true, true) => Some([rho_grid_stamp_band_large_both_cut; 2]),
-            (true, false) => Some([rho_grid_stamp_band_large_cut; 2]),
-            (false, true) => Some([rho_grid_stamp_large_both_cut; 2]),
-            (false, false) => Some([rho_grid_stamp_large, rho_grid_stamp_large_cut]),
+            (true, true) => Some((None, rho_grid_stamp_band_large_both_cut)),
+            (true, false) => Some((None, rho_grid_stamp_band_large_cut)),
+            (false, true) => Some((None, rho_grid_stamp_large_both_cut)),
+            (false, false) => Some((Some(rho_grid_stamp_large), rho_grid_stamp_large_cut)),
         };
         self.loops = Some(match (is_band, BOTH, is_deep, shadows.is_some()) {
             (true, true, ..) => [rho_grid_stamp_band_both, rho_grid_stamp_band_both_cut],
@@ -445,12 +447,12 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     let (width, height) = stamps.size;
     let mut edges = stamps.edges;
     let is_large = matches!(stamps.circle, Circle::Eight(_));
-    let [within, cut] = match stamps.loops.large {
-        _ if !is_large => [within, cut],
+    let (within, cut) = match stamps.loops.large {
+        _ if !is_large => (Some(within), cut),
         Some(large) => large,
         None => return false,
     };
-    if edges.is_none() && within as usize == cut as usize {
+    if edges.is_none() && within.is_none() {
         edges = Edges::new((x, y), (width, height));
         if edges.is_none() {
             return true;
@@ -503,7 +505,7 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
             width as usize <= STRIDE && height as usize <= rows
         }
     };
-    let order = parents.order.get(..parents.count).unwrap_or_default();
+    let order = parents.order.entries();
     if !is_inside || stamps.breadth >= 1 << 8 || order.is_empty() {
         return true;
     }
@@ -539,9 +541,10 @@ pub(super) fn stamp<const BOTH: bool, V: Visibility, S: Shade>(
     if let Some(light) = &parents.light {
         block.light.at = light.at;
     }
-    let chosen = match edges {
-        None => within,
-        Some(edges) => {
+    let chosen = match (edges, within) {
+        (None, Some(within)) => within,
+        (None, None) => return true,
+        (Some(edges), _) => {
             block.cut = MaybeUninit::new(Cut {
                 columns: edges.columns.as_ptr(),
                 rows: edges.rows.as_ptr(),
