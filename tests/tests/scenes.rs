@@ -111,6 +111,12 @@ fn modes(blob: &BlobFile, camera: &Camera) -> Vec<Mode> {
             });
         }
     }
+    for mode in [fast, Preset::Balanced.mode(&blob, camera)] {
+        modes.push(Mode {
+            shadows: ShadowMode::TwoPass,
+            ..mode
+        });
+    }
     modes
 }
 

@@ -343,13 +343,28 @@ impl Canvas for Tones<'_> {
     }
 
     fn depths(&self, depths: &mut [u16]) {
+        #[cfg(rho_thumb)]
+        super::stamp::set_ones(depths);
+        #[cfg(not(rho_thumb))]
+        depths.fill(u16::MAX);
         let depths = depths.chunks_exact_mut(usize::from(self.width).max(1));
         for (depths, row) in depths.zip(self.rows()) {
-            for (depth, pixel) in depths.iter_mut().zip(row) {
-                // 0 where the lowest bit is 1.
-                *depth = u16::from(pixel & 1).wrapping_sub(1);
+            let (eights, last) = row.as_chunks::<8>();
+            for (depths, eight) in depths.chunks_exact_mut(8).zip(eights) {
+                // Most are not covered.
+                if u64::from_le_bytes(*eight) != 0 {
+                    close(depths, eight);
+                }
             }
+            close(depths.get_mut(8 * eights.len()..).unwrap_or_default(), last);
         }
+    }
+}
+
+/// Puts before all that comes what is covered: where the lowest bit is 1.
+fn close(depths: &mut [u16], pixels: &[u8]) {
+    for (depth, pixel) in depths.iter_mut().zip(pixels) {
+        *depth = u16::from(pixel & 1).wrapping_sub(1);
     }
 }
 

@@ -18,19 +18,21 @@ pub(super) fn place(camera: &Camera, point: &[Place; 3]) -> [i64; 3] {
     eye
 }
 
-/// How many cells an axis an instance needs for those nearest to the eye to be at most four pixels
-/// large: larger ones are drawn as ellipses, which cost ten times what stamps do. Of what is nearer
-/// than a fourth of its farthest point only a small part is near.
+/// How many cells an axis an instance needs for those nearest to the eye to be at most four and a half
+/// pixels large: from four on they are drawn as ellipses, which cost ten times what stamps do, but little
+/// of a box is as near as its nearest corner. Of what is nearer than a fourth of its farthest point
+/// only a small part is near.
 pub(super) fn cells(camera: &Camera, object: &Object, instance: &Instance) -> u32 {
-    const LARGEST: u32 = 4;
+    // In eighths of a pixel.
+    const LARGEST: i64 = 36;
     let Some(body) = Body::new(camera, object, instance) else {
         return 0;
     };
     let (near, far) = body.depths();
     let near = near.max(far / 4).max(1);
-    // Pixels Q12 times Q20 over Q20: a side at that depth.
+    // Pixels Q12 times Q20 over Q20: a side at that depth, in pixels.
     let side = i64::from(camera.focal.to_bits()) * (i64::from(instance.scale.to_bits()) >> 10);
-    u32::try_from((side / near) >> 12).unwrap_or(u32::MAX) / LARGEST
+    u32::try_from((side / near) / (LARGEST << 9)).unwrap_or(u32::MAX)
 }
 
 /// How far boxes may reach into each other and still count as apart, Q20: a thousandth of the

@@ -36,21 +36,23 @@ impl<'a> Caster<'a> {
     ) -> Option<Self> {
         let object = blob.object(instance.object)?;
         let wanted = wanted.texels();
-        let levels = blob.grids_of(&object).flat_map(|grid| {
+        let grids = object.first_grid..object.first_grid.saturating_add(object.grids);
+        let levels = grids.filter_map(|index| {
+            let grid = blob.grid(index)?;
             let levels = grid.first_sampled().max(1)..=grid.subdivisions();
-            levels.map(move |level| (grid, level))
+            let casters = levels.map(|level| {
+                let cells = grid.cells(level);
+                let side = splat(light, size, instance, cells);
+                let fits = side <= wanted;
+                let splat = side.clamp(wanted, LightSplat::LARGEST);
+                let order = (!fits, if fits { cells } else { u32::MAX - cells });
+                (order, index, level, splat as usize)
+            });
+            casters.min()
         });
-        let casters = levels.map(|(grid, level)| {
-            let cells = grid.cells(level);
-            let side = splat(light, size, instance, cells);
-            let fits = side <= wanted;
-            let splat = side.clamp(wanted, LightSplat::LARGEST) as usize;
-            let order = (!fits, if fits { cells } else { u32::MAX - cells });
-            (order, Self { grid, level, splat })
-        });
-        casters
-            .min_by_key(|(order, _)| *order)
-            .map(|(_, caster)| caster)
+        let (_, index, level, splat) = levels.min()?;
+        let grid = blob.grid(index)?;
+        Some(Self { grid, level, splat })
     }
 
     /// Lays a splat for each sample, seen by `view`.

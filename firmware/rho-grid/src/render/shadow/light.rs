@@ -5,7 +5,7 @@
 
 use super::cells::{self, Cell};
 use crate::blob::format::MAX_SUBDIVISIONS;
-use crate::blob::{Grid, Instance};
+use crate::blob::{Grid, Instance, Object};
 use crate::q::Unit;
 
 /// A directional light, and the bounds of what it shines on.
@@ -99,6 +99,31 @@ impl LightSpace {
         away.map(|c| c < 0)
     }
 
+    /// Whether the bounds hold the box of an instance's object already, and half a cell all round of its
+    /// coarsest grid, which has so many cells an axis: all that is seen of it in whatever grid.
+    pub(super) fn holds(&self, instance: &Instance, object: &Object, cells: u32) -> bool {
+        let local = self.local(instance);
+        // A cell's side, Q15, and more for what is rounded.
+        let beyond = (1 << 15) / cells.max(1) as i32 + 2;
+        let [low, high] = object
+            .bounds
+            .map(|corner| corner.map(|v| i32::from(v.to_bits())));
+        let mut held = true;
+        let axes = local.axes.iter().zip(local.centre).zip(self.bounds);
+        for ((axis, centre), (from, to)) in axes {
+            let (mut middle, mut half) = (0, 0);
+            for ((along, low), high) in axis.iter().zip(low).zip(high) {
+                // Twice, Q29.
+                middle += i64::from(along * (low + high));
+                half += i64::from(along.abs()) * i64::from(high - low + beyond);
+            }
+            // Q30 and Q30 to Q16.
+            let [middle, half] = [middle, half].map(|v| (((v >> 14) * local.scale) >> 30) as i32);
+            held &= centre + middle - half > from + 2 && centre + middle + half < to - 2;
+        }
+        held
+    }
+
     /// Widens the bounds so that they hold the cells of an instance's `grid`.
     pub fn hold(&mut self, instance: &Instance, grid: &Grid<'_>) {
         let local = self.local(instance);
@@ -154,24 +179,23 @@ impl Local {
         let half = self
             .axes
             .map(|axis| axis.iter().map(|c| c.abs()).sum::<i32>());
-        let mut cells = [1; MAX_SUBDIVISIONS + 1];
-        for (level, cells) in cells.iter_mut().enumerate().take(last + 1) {
+        // Of each level: cells an axis; half a cell's side, Q30 sides of the scene's cube; half a cell's extent.
+        let mut levels = [(1, 0, [0; 3]); MAX_SUBDIVISIONS + 1];
+        for (level, (cells, side, reach)) in levels.iter_mut().enumerate().take(last + 1) {
             *cells = grid.cells(level) as i32;
+            *side = 2 * self.scale / i64::from(*cells);
+            *reach = half.map(|half| ((i64::from(half) * *side) >> 30) as i32 + 3);
         }
         cells::walk(grid, |Cell { level, place, .. }| {
-            let cells = cells.get(level).copied().unwrap_or(1);
+            let (cells, side, reach) = levels.get(level).copied().unwrap_or_default();
             let [x, y, z] = place.map(|p| 2 * p + 1 - cells);
             let mut spans = [(0, 0); 3];
-            let axes = self.axes.iter().zip(half).zip(self.centre);
-            for (span, (([ax, ay, az], half), centre)) in spans.iter_mut().zip(axes) {
-                // Q14 in half cells.
-                let at = ax * x + ay * y + az * z;
-                let scene = |v: i32| {
-                    // Q16 sides of the cube.
-                    let own = i64::from(v * 2 / cells);
-                    centre + ((own * self.scale) >> 30) as i32
-                };
-                *span = (scene(at - half) - 2, scene(at + half) + 2);
+            let axes = self.axes.iter().zip(self.centre).zip(reach);
+            for (span, (([ax, ay, az], centre), reach)) in spans.iter_mut().zip(axes) {
+                // Q14 in half cells, to Q16 sides of the scene's cube.
+                let at = i64::from(ax * x + ay * y + az * z);
+                let middle = centre + ((at * side) >> 30) as i32;
+                *span = (middle - reach, middle + reach);
             }
             enter(level, spans) && level < last
         });
@@ -181,6 +205,7 @@ impl Local {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::q::{Extent, Place, Rotation, Scale};
     use proptest::prelude::*;
 
     proptest! {
@@ -199,6 +224,53 @@ mod tests {
             }
             let away: f64 = (0..3).map(|k| f64::from(light.axes[2][k]) * towards[k]).sum();
             prop_assert!(away < 0.0);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_held_lies_within_the_bounds(
+            yaw in -3.2..3.2f64, turn in -3.2..3.2f64, scale in 0.01..1.5f64,
+            at in proptest::array::uniform3(-1.0..1.0f64),
+            low in proptest::array::uniform3(-0.5..0.0f64), high in proptest::array::uniform3(0.0..0.5f64),
+            spans in proptest::array::uniform3((-1.5..0.5f64, 0.0..2.0f64)),
+        ) {
+            let towards = [yaw.sin() * 0.8, 0.6, yaw.cos() * 0.8];
+            let mut light = LightSpace::towards(towards.map(|c| Unit::from_bits((c * 16384.0) as i16)));
+            let q16 = |v: f64| (v * 65536.0) as i32;
+            light.bounds = spans.map(|(from, length)| (q16(from), q16(from + length)));
+            let rows = [[turn.cos(), 0.0, turn.sin()], [0.0, 1.0, 0.0], [-turn.sin(), 0.0, turn.cos()]];
+            let instance = Instance {
+                rotation: rows.map(|row| row.map(|v| Rotation::from_bits((v * f64::from(1 << 30)) as i32))),
+                scale: Scale::from_bits((scale * f64::from(1 << 30)) as u32),
+                translation: at.map(|v| Place::from_bits((v * f64::from(1 << 30)) as i32)),
+                ..Instance::AS_IS
+            };
+            let object = Object {
+                first_grid: 0,
+                grids: 1,
+                first_material: 0,
+                materials: 1,
+                bounds: [low, high].map(|c| c.map(|v| Extent::from_bits((v * 32768.0) as i16))),
+            };
+            if light.holds(&instance, &object, 27) {
+                for corner in 0..8 {
+                    let mut own = [0.0; 3];
+                    for (axis, own) in own.iter_mut().enumerate() {
+                        let beyond = 0.5 / 27.0;
+                        *own = if corner >> axis & 1 == 1 { high[axis] + beyond } else { low[axis] - beyond };
+                    }
+                    for (axis, (from, to)) in light.axes.iter().zip(light.bounds) {
+                        let mut along = 0.0;
+                        for k in 0..3 {
+                            let place: f64 = (0..3).map(|j| rows[k][j] * own[j]).sum::<f64>() * scale + at[k];
+                            along += f64::from(axis[k]) / 16384.0 * place;
+                        }
+                        let (from, to) = (f64::from(from) / 65536.0, f64::from(to) / 65536.0);
+                        prop_assert!((from..=to).contains(&along), "{along} in {from} to {to}");
+                    }
+                }
+            }
         }
     }
 

@@ -69,10 +69,15 @@ impl Shadows {
     /// Takes the bounds of what a light towards `towards` shines on.
     pub fn fit(&mut self, blob: &Blob<'_>, towards: [Unit; 3]) {
         self.light = LightSpace::towards(towards);
-        for instance in instances(blob) {
-            let object = blob.object(instance.object);
-            let grid = object.and_then(|object| blob.grids_of(&object).next());
-            if let Some(grid) = grid {
+        // What lies within the bounds of others need not be walked through: the largest comes first.
+        let largest = instances(blob).max_by_key(|instance| instance.scale);
+        for instance in largest.into_iter().chain(instances(blob)) {
+            let Some(object) = blob.object(instance.object) else {
+                continue;
+            };
+            if let Some(grid) = blob.grids_of(&object).next()
+                && !(self.light).holds(&instance, &object, grid.cells(grid.subdivisions()))
+            {
                 self.light.hold(&instance, &grid);
             }
         }

@@ -34,7 +34,7 @@ mod sight;
 #[cfg(rho_thumb)]
 mod thumb;
 #[cfg(rho_thumb)]
-pub(super) use thumb::{STRIDE, clear, is_covered, next_to_fill};
+pub(super) use thumb::{STRIDE, clear, is_covered, next_to_fill, set_ones};
 
 pub(super) use classes::Classes;
 pub(super) use fields::Kind;

@@ -5,34 +5,58 @@
 //! Each function compares the bytes that it will reach with the slice that it is given.
 
 use core::arch::asm;
+use core::ops::Range;
 
 /// Bytes from row to row of the frames that the assembly knows.
 pub(in crate::render) const STRIDE: usize = 240;
 
-/// Sets all words to 0, eight an instruction.
+/// Sets all words to 0.
 pub(in crate::render) fn clear(words: &mut [u32]) {
     let (chunks, rest) = words.as_chunks_mut::<32>();
-    if !chunks.is_empty() {
-        let chunks = chunks.as_mut_ptr_range();
-        // SAFETY: four times eight words a round, from the first chunk to the end of the last.
-        unsafe {
-            asm!(
-                "1:",
-                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
-                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
-                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
-                "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
-                "cmp {at}, {end}",
-                "bne 1b",
-                at = inout(reg) chunks.start => _,
-                end = in(reg) chunks.end,
-                in("r2") 0, in("r3") 0, in("r4") 0, in("r5") 0,
-                in("r8") 0, in("r9") 0, in("r10") 0, in("r12") 0,
-                options(nostack),
-            );
-        }
-    }
+    // SAFETY: chunks of 32 words.
+    unsafe { set(chunks.as_mut_ptr_range(), 0) };
     rest.fill(0);
+}
+
+/// Sets all halves to ones.
+pub(in crate::render) fn set_ones(halves: &mut [u16]) {
+    // To a multiple of four bytes.
+    let odd = (halves.as_ptr().addr() / 2) % 2;
+    let (first, halves) = halves.split_at_mut(odd.min(halves.len()));
+    let (chunks, rest) = halves.as_chunks_mut::<64>();
+    // SAFETY: chunks of 64 halves, the first at a multiple of four bytes.
+    unsafe { set(chunks.as_mut_ptr_range(), u32::MAX) };
+    first.fill(u16::MAX);
+    rest.fill(u16::MAX);
+}
+
+/// Sets all words of these chunks, eight an instruction.
+///
+/// # Safety
+///
+/// The range is that of a slice of whole numbers' chunks, each of 128 bytes, and begins at a multiple of four.
+unsafe fn set<T>(chunks: Range<*mut T>, word: u32) {
+    const { assert!(size_of::<T>() == 128) };
+    if chunks.is_empty() {
+        return;
+    }
+    // SAFETY: four times eight words a round, from the first chunk to the end of the last.
+    unsafe {
+        asm!(
+            "1:",
+            "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
+            "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
+            "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
+            "stm {at}!, {{r2, r3, r4, r5, r8, r9, r10, r12}}",
+            "cmp {at}, {end}",
+            "bne 1b",
+            at = inout(reg) chunks.start => _,
+            end = in(reg) chunks.end,
+            in("r2") word, in("r3") word, in("r4") word, in("r5") word,
+            in("r8") word, in("r9") word, in("r10") word, in("r12") word,
+            options(nostack),
+        );
+    }
 }
 
 /// Whether all pixels are covered of `rows` rows of `count` from `from` on, `stride` apart; both at least 1 and 8.

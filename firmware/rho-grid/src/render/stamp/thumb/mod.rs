@@ -49,7 +49,7 @@
 mod frame;
 mod loops;
 
-pub(in crate::render) use frame::{STRIDE, clear, is_covered, next_to_fill};
+pub(in crate::render) use frame::{STRIDE, clear, is_covered, next_to_fill, set_ones};
 
 use core::mem::MaybeUninit;
 
@@ -223,6 +223,8 @@ unsafe extern "C" {
     fn rho_grid_stamp_large(block: *mut Block, rows: u32);
     fn rho_grid_stamp_large_cut(block: *mut Block, rows: u32);
     fn rho_grid_stamp_large_both_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_shaded_large_cut(block: *mut Block, rows: u32);
+    fn rho_grid_stamp_shaded_large_both_cut(block: *mut Block, rows: u32);
     fn rho_grid_stamp_band_large_cut(block: *mut Block, rows: u32);
     fn rho_grid_stamp_band_large_both_cut(block: *mut Block, rows: u32);
     fn rho_grid_stamp_band(block: *mut Block, rows: u32);
@@ -384,12 +386,14 @@ impl Loops {
             cones => cones.as_ptr(),
         };
         block.width = TWO_SIDED;
-        self.large = match (is_band, BOTH) {
-            _ if is_deep || shadows.is_some() => None,
-            (true, true) => Some((None, rho_grid_stamp_band_large_both_cut)),
-            (true, false) => Some((None, rho_grid_stamp_band_large_cut)),
-            (false, true) => Some((None, rho_grid_stamp_large_both_cut)),
-            (false, false) => Some((Some(rho_grid_stamp_large), rho_grid_stamp_large_cut)),
+        self.large = match (is_band, BOTH, shadows.is_some()) {
+            _ if is_deep => None,
+            (true, true, _) => Some((None, rho_grid_stamp_band_large_both_cut)),
+            (true, false, _) => Some((None, rho_grid_stamp_band_large_cut)),
+            (_, true, true) => Some((None, rho_grid_stamp_shaded_large_both_cut)),
+            (_, false, true) => Some((None, rho_grid_stamp_shaded_large_cut)),
+            (_, true, false) => Some((None, rho_grid_stamp_large_both_cut)),
+            (_, false, false) => Some((Some(rho_grid_stamp_large), rho_grid_stamp_large_cut)),
         };
         self.loops = Some(match (is_band, BOTH, is_deep, shadows.is_some()) {
             (true, true, ..) => [rho_grid_stamp_band_both, rho_grid_stamp_band_both_cut],
