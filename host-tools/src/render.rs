@@ -109,9 +109,11 @@ pub fn render_from(
     }
     let mut arrangement = Box::new(Arrangement::empty());
     let in_order = mode.visibility == VisibilityMode::Eye;
-    arrangement
-        .arrange(blob, camera, in_order)
-        .map_err(|e| Failure::input(e.to_string()))?;
+    match mode.shadows {
+        ShadowMode::OnePass => arrangement.arrange_in_light(blob, camera, towards),
+        _ => arrangement.arrange(blob, camera, in_order),
+    }
+    .map_err(|e| Failure::input(e.to_string()))?;
     let (width, height) = (camera.width, camera.height);
     let pixels = usize::from(width) * usize::from(height);
     let mut words = vec![blob.background(); pixels];

@@ -11,6 +11,7 @@ use host_tools::picture::{Picture, rgb888};
 use host_tools::reference::Shot;
 use host_tools::reference::scene::SceneCaster;
 use host_tools::render::{Drawn, render_from};
+use host_tools::sampling::Sequence;
 use host_tools::scene::Scene as File;
 use host_tools::scene::bake::bake as bake_scene;
 use host_tools::view::{StandardView, View};
@@ -111,6 +112,13 @@ fn modes(blob: &BlobFile, camera: &Camera) -> Vec<Mode> {
             });
         }
     }
+    modes.push(Mode {
+        shadows: ShadowMode::OnePass,
+        visibility: VisibilityMode::Z,
+        frame: FrameMode::Words,
+        footprint: FootprintMode::Box,
+        ..fast
+    });
     for mode in [fast, Preset::Balanced.mode(&blob, camera)] {
         modes.push(Mode {
             shadows: ShadowMode::TwoPass,
@@ -187,6 +195,63 @@ fn eye_order_and_the_depth_buffer_show_the_same_objects_in_front() {
         let all = pairs().count();
         println!("{seen} of {all}");
         assert!(seen * 50 < all, "{seen} of {all}: {camera:?}");
+    }
+}
+
+/// Balls over each other and over a ground, the higher ones later in the file.
+const OVER: &str = r##"
+[camera]
+yaw = 25
+pitch = 30
+distance = 1.5
+[[light]]
+direction = [0.3, 0.9, 0.2]
+shadows = true
+[[material]]
+name = "floor"
+diffuse = "#c0c0c0"
+[ground]
+size = 3
+material = "floor"
+[[object]]
+source = "shapes"
+scale = 0.6
+translation = [0, 0.6, 0]
+parameters = { parts = [{ shape = { sphere = { radius = 0.4 } } }] }
+[[object]]
+source = "shapes"
+scale = 0.4
+translation = [0.2, 1.3, 0.1]
+parameters = { parts = [{ shape = { sphere = { radius = 0.4 } } }] }
+"##;
+
+/// Of the same samples: objects come in the order of the light, so that each shades what stands behind it. Along
+/// edges of shadows some differ, since what comes later shades nothing.
+#[test]
+fn objects_shade_each_other_in_one_pass_as_they_do_in_two() {
+    let options = BakeOptions {
+        grid: GridChoice::Fixed(vec![Sequence::new(&[3; 4]).unwrap()]),
+        ..standard()
+    };
+    let blob = baked(OVER, &options);
+    for camera in cameras(&blob) {
+        let ways = [ShadowMode::None, ShadowMode::OnePass, ShadowMode::TwoPass];
+        let [none, one, two] = ways.map(|shadows| {
+            let mode = Mode {
+                visibility: VisibilityMode::Z,
+                shadows,
+                ..Mode::default()
+            };
+            drawn(&blob, &camera, mode).words
+        });
+        let differ = |a: &[u16], b: &[u16]| {
+            let pixels = a.iter().zip(b);
+            pixels.filter(|(a, b)| is_seen(**a, **b)).count()
+        };
+        let (other, shaded) = (differ(&one, &two), differ(&none, &two));
+        println!("{other} pixels differ, {shaded} lie in a shadow");
+        assert!(shaded > 10, "{shaded}: {camera:?}");
+        assert!(3 * other <= shaded, "{other} of {shaded}: {camera:?}");
     }
 }
 

@@ -194,10 +194,13 @@ impl<'a> Model<'a> {
         arrangement: &mut Arrangement,
         watch: &mut Stopwatch<'_, C>,
     ) -> Result<(), ModelError> {
-        let Scene { camera, mode, .. } = scene;
+        let Scene {
+            camera,
+            mode,
+            light,
+        } = scene;
         let blob = &self.blob;
-        let one_pass = mode.shadows == ShadowMode::OnePass;
-        if mode.contradiction().is_some() || one_pass && blob.instance_count() > 1 {
+        if mode.contradiction().is_some() {
             return Err(ModelError::Mode);
         }
         if mode.fineness.is_none() && !blob.is_scene() && mode.grid >= blob.grid_count() {
@@ -205,7 +208,10 @@ impl<'a> Model<'a> {
         }
         let in_order = mode.visibility == VisibilityMode::Eye;
         watch
-            .time(Phase::Setup, || arrangement.arrange(blob, camera, in_order))
+            .time(Phase::Setup, || match mode.shadows {
+                ShadowMode::OnePass => arrangement.arrange_in_light(blob, camera, *light),
+                _ => arrangement.arrange(blob, camera, in_order),
+            })
             .map_err(ModelError::View)
     }
 

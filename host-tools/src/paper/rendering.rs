@@ -174,14 +174,8 @@ pub fn table_5(device: &Device, done: &dyn Fn()) -> Outcome<String> {
         let (name, blob) = device.baked(row)?;
         let mut cells = vec![name, size(blob.len() as u64)];
         for ((_, flags), printed) in WAYS.iter().zip(row.printed) {
-            // One pass draws the shadows of one object alone.
-            let is_drawn = row.model.is_some() || !flags.contains("one-pass");
-            cells.push(if is_drawn {
-                let run = device.draw(&blob, flags, &near)?;
-                millions(run.report.phases.frame() as f64)
-            } else {
-                "-".to_owned()
-            });
+            let run = device.draw(&blob, flags, &near)?;
+            cells.push(millions(run.report.phases.frame() as f64));
             cells.push(printed.map_or("-".to_owned(), |fps| millions(CLOCK / fps)));
             done();
         }

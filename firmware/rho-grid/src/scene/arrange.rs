@@ -8,6 +8,8 @@ use super::body::{Body, Order};
 use crate::blob::Blob;
 use crate::blob::format::MAX_INSTANCES;
 use crate::camera::{Camera, ViewError};
+use crate::q::Unit;
+use crate::render::shadow::LightSpace;
 
 /// A bit an instance.
 type Set = u128;
@@ -96,21 +98,7 @@ impl Arrangement {
             self.push(0, Turn::ALONE);
             return Ok(());
         }
-        let mut seen: Set = 0;
-        // Q20.
-        let mut farthest = 1;
-        for index in 0..blob.instance_count() {
-            let instance = blob.instance(index);
-            let body = instance.and_then(|instance| {
-                let object = blob.object(instance.object)?;
-                Body::new(camera, &object, &instance)
-            });
-            if let (Some(body), Some(slot)) = (body, self.bodies.get_mut(usize::from(index))) {
-                *slot = body;
-                seen |= 1 << index;
-                farthest = farthest.max(body.depths().1);
-            }
-        }
+        let (seen, farthest) = self.see(blob, camera);
         // W has 29 bits where it is largest; Q20 has 20 in a side.
         self.unit = (20 + 29u32)
             .saturating_sub(64 - farthest.leading_zeros())
@@ -124,6 +112,47 @@ impl Arrangement {
         self.compare(seen);
         self.sort(seen);
         Ok(())
+    }
+
+    /// The same in the order in which a light towards `towards` meets all instances, seen by the camera or not, so
+    /// that none shades an earlier one. What is tangled there is drawn by its middle: it shades what comes later
+    /// alone.
+    ///
+    /// # Errors
+    /// When the camera is none.
+    pub fn arrange_in_light(
+        &mut self,
+        blob: &Blob<'_>,
+        camera: &Camera,
+        towards: [Unit; 3],
+    ) -> Result<(), ViewError> {
+        self.arrange(blob, camera, false)?;
+        if blob.instance_count() > 1 {
+            self.count = 0;
+            let (seen, _) = self.see(blob, &LightSpace::towards(towards).eye());
+            self.compare(seen);
+            self.sort(seen);
+        }
+        Ok(())
+    }
+
+    /// The boxes of the instances that may be in the frame, and the depth of the farthest, Q20.
+    fn see(&mut self, blob: &Blob<'_>, camera: &Camera) -> (Set, i64) {
+        let mut seen: Set = 0;
+        let mut farthest = 1;
+        for index in 0..blob.instance_count() {
+            let instance = blob.instance(index);
+            let body = instance.and_then(|instance| {
+                let object = blob.object(instance.object)?;
+                Body::new(camera, &object, &instance)
+            });
+            if let (Some(body), Some(slot)) = (body, self.bodies.get_mut(usize::from(index))) {
+                *slot = body;
+                seen |= 1 << index;
+                farthest = farthest.max(body.depths().1);
+            }
+        }
+        (seen, farthest)
     }
 
     /// What is to be drawn, in this order.

@@ -6,7 +6,8 @@
 use super::cells::{self, Cell};
 use crate::blob::format::MAX_SUBDIVISIONS;
 use crate::blob::{Grid, Instance, Object};
-use crate::q::Unit;
+use crate::camera::Camera;
+use crate::q::{Focal, Length, Rotation, Unit};
 
 /// A directional light, and the bounds of what it shines on.
 #[derive(Clone, Copy, Debug)]
@@ -65,6 +66,19 @@ impl LightSpace {
         Self {
             axes: [u, v.map(|v| v >> 14), l.map(|c| -c)],
             bounds: [NOTHING; 3],
+        }
+    }
+
+    /// A camera that sees as the light does, nearly: so far away that lines of sight meet at less than a tenth of a
+    /// degree, with all of the scene in view.
+    pub(crate) fn eye(&self) -> Camera {
+        let [u, v, away] = self.axes;
+        Camera {
+            rotation: [u, v, away.map(|c| -c)].map(|row| row.map(|c| Rotation::from_bits(c << 16))),
+            translation: [Length::ZERO, Length::ZERO, Length::from_bits(-1000 << 20)],
+            focal: Focal::ONE,
+            width: Camera::MAX_SIDE,
+            height: Camera::MAX_SIDE,
         }
     }
 
@@ -205,7 +219,7 @@ impl Local {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::q::{Extent, Place, Rotation, Scale};
+    use crate::q::{Extent, Place, Scale};
     use proptest::prelude::*;
 
     proptest! {
