@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::failure::{Failure, Outcome};
 use crate::paper::models::MODELS;
 use crate::paper::rendering::Device;
-use crate::paper::{memory, normals, operations, rendering};
+use crate::paper::{memory, normals, operations, ram, rendering};
 use crate::replace::{check_replaceable, replace};
 
 const EXAMPLES: &str = "\
@@ -82,6 +82,9 @@ impl PaperArgs {
         if let Some(device) = device.as_ref().filter(|_| wants(5)) {
             let table = rendering::table_5(device, done)?;
             section("Table 5: a frame", TABLE_5, &table);
+        }
+        if self.only.is_none() {
+            section("Memory by mode", MEMORY, &ram::modes());
         }
         if let (Some(device), Some(output), None) = (&device, &self.output, self.only) {
             let (folder, name) = folder_beside(output)?;
@@ -174,6 +177,12 @@ Millions of instructions a frame, `near`; *printed* are the paper's frames a sec
 of cycles. They are no measure of each other: cycles are not instructions, the paper's views are not
 known but for one picture, and its cells may have been drawn otherwise. What can be compared is how columns and rows stand to each
 other. Shadow maps have 256 x 256 texels and are made anew each frame.";
+
+const MEMORY: &str = "\
+Bytes of RAM for a panel of 240 x 320, beside the stack, which `rho run` measures. Words are RGB565; tones and quarters are
+bytes, sent in strips of forty rows. Instances, at most 128, and materials, at most eight an object, have their room in every
+mode. Objects are *tangled* when no plane parts their boxes. The program `scenes` has all of tones and quarters with a
+map of 128: `cargo test --test budget -- --nocapture` prints its RAM, its stack and its flash.";
 
 const FIGURE_3: &str = "\
 The numbers tell when each of 3 x 3 subcells is drawn, for a light from above and a little from the left.";

@@ -5,6 +5,7 @@
 //! memory     tables 1 and 4: bytes            from blobs that `rho bake` makes
 //! operations table 2: operations a sample     instructions of the device
 //! normals    table 3: the error of normals    of lighting, too
+//! ram        what a mode keeps in memory
 //! rendering  table 5 and the figures          instructions and pictures of the device
 //! ```
 
@@ -12,6 +13,7 @@ pub mod memory;
 pub mod models;
 pub mod normals;
 pub mod operations;
+pub mod ram;
 pub mod rendering;
 
 /// A table in Markdown: the first column is text, the others are numbers.
