@@ -355,7 +355,7 @@ fn attributes(tree: &Tree, layout: Layout, palette: &Palette) -> Vec<u8> {
         let material = if layout.material == 0 {
             0
         } else {
-            palette.nearest(sample.colour)
+            palette.material(sample)
         };
         let colour = if layout.colour == 0 {
             0

@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 use rho_grid::blob::Material;
 use rho_grid::blob::format::MAX_MATERIALS;
 
+use crate::sampling::TreeSample;
+
 /// Colours and how many samples have them.
 type Counts = Vec<([u8; 3], u64)>;
 
@@ -16,6 +18,8 @@ type Counts = Vec<([u8; 3], u64)>;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Palette {
     colours: Vec<[u8; 3]>,
+    /// Materials are twice as many: those in the light, then those in the shade.
+    is_shaded: bool,
 }
 
 impl Palette {
@@ -38,7 +42,10 @@ impl Palette {
             if colours.is_empty() {
                 colours.push([255; 3]);
             }
-            return Self { colours };
+            return Self {
+                colours,
+                is_shaded: false,
+            };
         }
         let mut boxes = vec![all.clone()];
         while boxes.len() < most {
@@ -51,6 +58,7 @@ impl Palette {
         }
         let mut palette = Self {
             colours: boxes.iter().map(|b| mean(b)).collect(),
+            is_shaded: false,
         };
         for _ in 0..2 {
             let mut parts = vec![Vec::new(); palette.colours.len()];
@@ -88,18 +96,40 @@ impl Palette {
             .unwrap_or(0) as u32
     }
 
+    /// The same with a material more for each of at most half as many colours: what lies in a shadow.
+    #[must_use]
+    pub fn shaded(self) -> Self {
+        debug_assert!(2 * self.colours.len() <= MAX_MATERIALS);
+        Self {
+            is_shaded: true,
+            ..self
+        }
+    }
+
+    /// The number of a sample's material.
+    #[must_use]
+    pub fn material(&self, sample: &TreeSample) -> u32 {
+        let shade = if self.is_shaded && sample.shaded {
+            self.colours.len() as u32
+        } else {
+            0
+        };
+        self.nearest(sample.colour) + shade
+    }
+
     /// Each colour as the standard scene lights it: 0.1 in the shade, 0.9 more in the light.
     #[must_use]
     pub fn materials(&self) -> Vec<Material> {
-        self.colours
-            .iter()
-            .map(|colour| Material {
+        let of = |light: f64| {
+            self.colours.iter().map(move |colour| Material {
                 ambient: colour.map(|c| part(0.1, c)),
-                diffuse: colour.map(|c| part(0.9, c)),
+                diffuse: colour.map(|c| part(light, c)),
                 specular: [0; 3],
                 exponent: 1,
             })
-            .collect()
+        };
+        let shaded = of(0.0).take(if self.is_shaded { MAX_MATERIALS } else { 0 });
+        of(0.9).chain(shaded).collect()
     }
 }
 

@@ -7,6 +7,7 @@ use std::time::Instant;
 use host_tools::bake::{BakeOptions, Baked, GridChoice, LayoutChoice, Progress, bake};
 use host_tools::model::{self, LoadOptions};
 use host_tools::sampling::{Separation, Sequence};
+use rho_grid::blob::Blob;
 
 use common::{TETRAHEDRON, folder, json, names, refused, rho};
 
@@ -303,6 +304,58 @@ fn flash_that_is_too_small_says_what_could_be() {
         "bake", "t.obj", "-o", "o.rho", "-q", "--flash", "4K", "--rho", sequence,
     ];
     assert!(rho(at, &command).status.success(), "{would}");
+}
+
+#[test]
+fn shadows_are_baked_into_materials_or_refused() {
+    let folder = folder();
+    let at = folder.path();
+    let command = |more: &str| -> Vec<String> {
+        let words = format!("bake teapot -q -o o.rho --rho 3,3,3 {more}");
+        words.split_whitespace().map(str::to_owned).collect()
+    };
+    let run = |more: &str| {
+        let command = command(more);
+        let words: Vec<&str> = command.iter().map(String::as_str).collect();
+        rho(at, &words)
+    };
+    for (more, reason) in [
+        ("--bake-shadows 0,0,0", "not all zero"),
+        ("--bake-shadows 1,2", "X,Y,Z"),
+        ("--bake-shadows 1,nan,0", "finite"),
+        (
+            "--layout offset --bake-shadows 1,1,1",
+            "no room for shadows",
+        ),
+        (
+            "--layout colour --bake-shadows 1,1,1",
+            "no room for shadows",
+        ),
+    ] {
+        let output = run(more);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{more}: {error}");
+        assert!(error.contains(reason), "{more}: {error}");
+        assert!(!at.join("o.rho").exists(), "{more}");
+    }
+    std::fs::write(at.join("s.toml"), "[[object]]\nsource = \"teapot\"\n").unwrap();
+    let error = refused(
+        at,
+        &["bake", "s.toml", "-o", "o.rho", "--bake-shadows", "1,1,1"],
+    );
+    assert!(error.contains("is a scene"), "{error}");
+
+    let materials = |more: &str| {
+        assert!(run(more).status.success(), "{more}");
+        let bytes = std::fs::read(at.join("o.rho")).unwrap();
+        Blob::parse(&bytes).unwrap().materials().collect::<Vec<_>>()
+    };
+    let plain = materials("--layout both");
+    let shaded = materials("--layout both --bake-shadows 0,1,0");
+    assert_eq!(shaded.len(), 2 * plain.len());
+    for (dark, bright) in shaded[plain.len()..].iter().zip(&plain) {
+        assert_eq!((dark.ambient, dark.diffuse), (bright.ambient, [0; 3]));
+    }
 }
 
 #[test]

@@ -164,6 +164,64 @@ fn a_scene_is_as_its_snapshot_shows_it() {
     snapshot::check("scene", &drawn(&blob, &camera, mode).words, camera.width);
 }
 
+/// The grid that both share names materials, which the second pot's samples have none of.
+#[test]
+fn an_instance_of_one_material_is_that_whatever_its_samples_name() {
+    const POTS: &str = r##"
+[camera]
+distance = 1.5
+[[light]]
+direction = [0.5, 0.8, 0.55]
+shadows = true
+[[light]]
+direction = [-1, 0.3, 0.2]
+[[material]]
+name = "blue"
+ambient = "#000008"
+diffuse = "#0000e0"
+[[object]]
+source = "teapot"
+translation = [-0.6, 0, 0]
+[[object]]
+source = "teapot"
+translation = [0.6, 0, 0]
+material = "blue"
+"##;
+    let blob = baked(POTS, &standard());
+    let camera = blob.blob().unwrap().camera().unwrap();
+    let light = blob.blob().unwrap().lights().next().unwrap().towards;
+    for shadows in [ShadowMode::None, ShadowMode::TwoPass] {
+        let mode = Mode {
+            shadows,
+            ..Preset::Balanced.mode(&blob.blob().unwrap(), &camera)
+        };
+        let ours = drawn(&blob, &camera, mode);
+        let right = ours
+            .words
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| i % 240 >= 120);
+        let pot = right
+            .map(|(_, word)| rgb888(*word))
+            .filter(|rgb| *rgb != [0; 3]);
+        let mut pixels = 0;
+        for [red, green, blue] in pot {
+            pixels += 1;
+            assert!(red == 0 && green == 0 && blue > 0, "{red} {green} {blue}");
+        }
+        assert!(pixels > 2000, "{pixels}");
+        let request = Request::Model(Scene {
+            camera,
+            light,
+            mode,
+        });
+        let run = ask(&request.line(), Some(blob.bytes()))
+            .and_then(Run::done)
+            .unwrap();
+        assert!(run.words == ours.words, "{shadows}");
+    }
+}
+
 /// Whether a channel differs by more than a tenth of white.
 fn is_seen(a: u16, b: u16) -> bool {
     let channels = rgb888(a).into_iter().zip(rgb888(b));

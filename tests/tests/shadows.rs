@@ -3,9 +3,13 @@
 use std::sync::OnceLock;
 
 use glam::DVec3;
+use host_tools::bake::{BakeOptions, GridChoice, LayoutChoice, Progress, SampleChoice, bake};
+use host_tools::blob_file::BlobFile;
+use host_tools::model;
 use host_tools::picture::Picture;
 use host_tools::reference::{Caster, Shot};
 use host_tools::render;
+use host_tools::sampling::{Separation, Sequence};
 use host_tools::shadows::{Pair, Wrong, compare};
 use host_tools::view::{STANDARD_LIGHT, StandardView, View};
 use rho_grid::mode::{
@@ -160,6 +164,84 @@ fn one_pass_and_two_differ_in_hardly_a_pixel() {
             println!("{light}: {other} of {covered}");
             assert!(1000 * other <= 3 * covered, "{light}: {other} of {covered}");
         }
+    }
+}
+
+/// The bunny in one grid, with materials, and with shadows of the standard light baked or not.
+fn with_materials(shadows: Option<DVec3>) -> BlobFile {
+    let path = model::scan("bunny").unwrap();
+    let options = BakeOptions {
+        grid: GridChoice::Fixed(vec![Sequence::new(&[2, 4, 4, 3]).unwrap()]),
+        separation: Separation::Six,
+        layout: LayoutChoice::Both,
+        samples: SampleChoice::Leaves,
+        shadows,
+        ..BakeOptions::default()
+    };
+    let baked = bake(path.to_str().unwrap(), &options, &Progress::default()).unwrap();
+    BlobFile::from_bytes(&baked.bytes, "bunny.rho")
+}
+
+/// In frames of words, whose colours do not depend on what other materials there are.
+#[test]
+fn baked_shadows_are_as_right_as_those_of_a_map_and_cost_nothing() {
+    let light = STANDARD_LIGHT.normalize();
+    let (shadowed, lit) = (with_materials(Some(light)), with_materials(None));
+    for name in [StandardView::Near, StandardView::NearTurned] {
+        let view = View::from(name);
+        let [dark, bright] = &truth(view, light);
+        let camera = view.camera().unwrap();
+        let bare = Mode {
+            frame: FrameMode::Words,
+            ..Preset::Balanced.mode(&lit.blob().unwrap(), &camera)
+        };
+        let mapped = Mode {
+            shadows: ShadowMode::TwoPass,
+            ..bare
+        };
+        let of = |blob: &BlobFile, mode: Mode| {
+            let drawn = render::render(&blob.blob().unwrap(), &view, light, mode).unwrap();
+            Picture::from_rgb565(drawn.width.into(), drawn.height.into(), &drawn.words)
+        };
+        let ours = of(&lit, bare);
+        let wrong = |shadowed: &Picture| {
+            let ours = Pair {
+                shadowed,
+                lit: &ours,
+            };
+            let theirs = Pair {
+                shadowed: dark,
+                lit: bright,
+            };
+            compare(ours, theirs, [0; 3]).unwrap()
+        };
+        let (baked, map) = (wrong(&of(&shadowed, bare)), wrong(&of(&lit, mapped)));
+        println!("baked {:.2} % {baked:?}", baked.per_cent());
+        println!("map of 128 {:.2} % {map:?}", map.per_cent());
+        assert!(
+            baked.per_cent() <= map.per_cent() + 0.1,
+            "{baked:?} {map:?}"
+        );
+
+        let tones = Preset::Balanced.mode(&lit.blob().unwrap(), &camera);
+        let of = |blob: &BlobFile, shadows: ShadowMode| {
+            let mode = Mode { shadows, ..tones };
+            let request = Request::Model(Scene {
+                camera,
+                light: render::light(light),
+                mode,
+            });
+            let run = ask(&request.line(), Some(blob.bytes())).unwrap();
+            run.done().unwrap().report.phases.frame()
+        };
+        let [baked, none, kept, made] = [
+            of(&shadowed, ShadowMode::None),
+            of(&lit, ShadowMode::None),
+            of(&lit, ShadowMode::Kept),
+            of(&lit, ShadowMode::TwoPass),
+        ];
+        println!("baked {baked}, none {none}, kept {kept}, two-pass {made} instructions");
+        assert!(20 * baked < 21 * none, "{baked} {none}");
     }
 }
 

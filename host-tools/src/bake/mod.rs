@@ -1,6 +1,7 @@
 //! The whole way from a model to a blob: read, sample, encode.
 
 mod options;
+mod shadows;
 
 pub use options::{BakeOptions, GridChoice, LayoutChoice, SampleChoice};
 
@@ -10,7 +11,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 use rho_grid::blob::Layout;
 use rho_grid::blob::facing::BACKS_BYTES;
-use rho_grid::blob::format::mask_words;
+use rho_grid::blob::format::{MAX_MATERIALS, mask_words};
 use serde::Serialize;
 
 use crate::blob_file::BlobFile;
@@ -25,6 +26,7 @@ use crate::mesh::Mesh;
 use crate::model::Up;
 use crate::palette::Palette;
 use crate::peak::peak_memory;
+use crate::reference::Caster;
 use crate::sampling::{Sampling, Separation, Sequence, Tree};
 use crate::scene::{self, Scene};
 use crate::source::{self, Model, Shape};
@@ -93,6 +95,12 @@ pub struct Seconds {
 /// than allowed, or does not fit into the flash.
 pub fn bake(model: &str, options: &BakeOptions, progress: &Progress) -> Outcome<Baked> {
     let started = Instant::now();
+    if scene::is_file(model) && options.shadows.is_some() {
+        return Err(Failure::input(format!(
+            "{model} is a scene, and shadows are baked into single models alone"
+        ))
+        .help("let a [[light]] of it have shadows = true, and run it with --shadows kept"));
+    }
     if scene::is_file(model) {
         let path = source::find(model, options.models.as_deref())?;
         let scene = Scene::read(&path, options.models.as_deref())?;
@@ -108,6 +116,14 @@ pub fn bake(model: &str, options: &BakeOptions, progress: &Progress) -> Outcome<
         }
         _ => options,
     };
+    let layout = options.layout.layout(options.separation);
+    if options.shadows.is_some() && layout.material == 0 {
+        return Err(Failure::input(format!(
+            "--layout {} has no room for shadows, which are baked into materials",
+            options.layout.name()
+        ))
+        .help("give --layout both or material, or none"));
+    }
     let mut seconds = Seconds {
         read: started.elapsed().as_secs_f64(),
         ..Seconds::default()
@@ -408,17 +424,38 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
                 Ok(tree)
             })
             .collect::<Outcome<Vec<Tree>>>()?;
+        let trees = self.shaded(trees);
         seconds.sample += started.elapsed().as_secs_f64();
         Ok(trees)
+    }
+
+    /// With the shadows that are to be baked.
+    fn shaded(&self, mut trees: Vec<Tree>) -> Vec<Tree> {
+        if let Some(towards) = self.options.shadows {
+            let mesh = self.model.mesh();
+            let caster = Caster::new(&mesh);
+            for tree in &mut trees {
+                shadows::shade(tree, &caster, towards);
+            }
+        }
+        trees
     }
 
     /// Writes a grid a tree.
     fn encode(&self, sequences: &[Sequence], trees: &[Tree], seconds: &mut Seconds) -> Made {
         let started = Instant::now();
+        let most = match self.options.shadows {
+            Some(_) => MAX_MATERIALS / 2,
+            None => MAX_MATERIALS,
+        };
         let (palette, warning) = if self.model.white {
             (Palette::of(std::iter::empty()), None)
         } else {
-            palette(trees, self.layout())
+            palette(trees, self.layout(), most)
+        };
+        let palette = match self.options.shadows {
+            Some(_) => palette.shaded(),
+            None => palette,
         };
         let encoding = Encoding {
             layout: self.layout(),
@@ -444,6 +481,7 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
             separation,
             layout,
             samples,
+            shadows,
             load,
             ..
         } = self.options;
@@ -459,13 +497,16 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
             Up::Y => "y",
             Up::Z => "z",
         };
+        let shadows = shadows.map_or_else(String::new, |light| {
+            format!(" --bake-shadows {},{},{}", light.x, light.y, light.z)
+        });
         let white = if load.white { " --white" } else { "" };
         let rho: String = sequences
             .iter()
             .map(|sequence| format!("--rho {sequence} "))
             .collect();
         let mut origin = format!(
-            "generator=rho {}\noptions={rho}{thin}--layout {}{samples} --up {up}{white}\n\
+            "generator=rho {}\noptions={rho}{thin}--layout {}{samples} --up {up}{white}{shadows}\n\
              source={}\n",
             env!("CARGO_PKG_VERSION"),
             layout.name(),
@@ -479,13 +520,13 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
     }
 }
 
-/// The colours of the leaves as materials, and what is lost by that.
-fn palette(trees: &[Tree], layout: Layout) -> (Palette, Option<String>) {
+/// The colours of the leaves as so many materials at most, and what is lost by that.
+fn palette(trees: &[Tree], layout: Layout, most: usize) -> (Palette, Option<String>) {
     let leaves = || {
         let leaves = trees.iter().filter_map(|tree| tree.levels.last());
         leaves.flat_map(|level| &level.samples)
     };
-    let palette = Palette::of(leaves().map(|sample| sample.colour));
+    let palette = Palette::of_at_most(most, leaves().map(|sample| sample.colour));
     if layout.colour > 0 {
         // Samples have their own; tones are sought among these.
         return (palette, None);
@@ -591,16 +632,17 @@ mod tests {
                     colour: [20 * i as u8, 0, 0],
                     mean: [20 * i as u8, 0, 0],
                     two_sided: false,
+                    shaded: false,
                 })
                 .collect();
             tree
         };
-        let (palette_8, warning) = palette(&[coloured(8)], Layout::MATERIAL);
+        let (palette_8, warning) = palette(&[coloured(8)], Layout::MATERIAL, 8);
         assert_eq!((palette_8.colours().len(), warning), (8, None));
-        let (palette_9, warning) = palette(&[coloured(9)], Layout::MATERIAL);
+        let (palette_9, warning) = palette(&[coloured(9)], Layout::MATERIAL, 8);
         assert_eq!(palette_9.colours().len(), 8);
         assert!(warning.unwrap().contains("8 materials"));
-        let (mean, warning) = palette(&[coloured(9)], Layout::OFFSET);
+        let (mean, warning) = palette(&[coloured(9)], Layout::OFFSET, 8);
         assert_eq!(mean.colours(), [[80, 0, 0]]);
         assert!(warning.is_some());
     }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use glam::DVec3;
 use rho_grid::blob::Layout;
 
 use crate::model::LoadOptions;
@@ -19,6 +20,8 @@ pub struct BakeOptions {
     pub layout: LayoutChoice,
     /// Which nodes have samples.
     pub samples: SampleChoice,
+    /// Towards the light whose shadows are baked, if there are to be any: in the model's axes, of length 1.
+    pub shadows: Option<DVec3>,
     /// How the model is read; its memory limit is that of the whole bake.
     pub load: LoadOptions,
     /// Where a model is looked for that is not in the current folder.
@@ -35,6 +38,7 @@ impl Default for BakeOptions {
             separation: Separation::TwentySix,
             layout: LayoutChoice::Material,
             samples: SampleChoice::All,
+            shadows: None,
             load: LoadOptions::default(),
             models: None,
         }
@@ -56,7 +60,7 @@ const STANDARD: [&[u8]; 6] = [
 impl BakeOptions {
     /// What serves the presets best: thin grids of discs for every distance, as many as fit into
     /// `flash` bytes. A model in several colours gives up two bits of the normal and one of the offset
-    /// for one of eight materials.
+    /// for one of eight materials; so does one with baked shadows.
     pub(super) fn standard(model: &Model, flash: Option<u64>, given: Self) -> Self {
         let sequences = STANDARD.map(|s| Sequence::new(s).unwrap_or_else(|_| unreachable!()));
         let sequences = sequences.to_vec();
@@ -66,7 +70,7 @@ impl BakeOptions {
                 None => GridChoice::Fixed(sequences),
             },
             separation: Separation::Six,
-            layout: if model.is_coloured() {
+            layout: if model.is_coloured() || given.shadows.is_some() {
                 LayoutChoice::Both
             } else {
                 LayoutChoice::Offset

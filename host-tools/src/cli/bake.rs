@@ -21,6 +21,7 @@ use crate::replace::{check_replaceable, replace};
 use crate::sampling::{Separation, Sequence};
 use crate::source::{self, ModelArgs};
 use crate::text::{size, thousands};
+use crate::view::Direction;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -28,6 +29,7 @@ Examples:
   rho bake teapot -o teapot.rho --rho 2,3,3,3,3 --thin --layout offset
   rho bake bunny.ply.gz -o bunny.rho --rho 3,3,3,3 --rho 2,3,3,3,3 --thin --layout offset
   rho bake scan.obj -o scan.rho --flash 512K --up z
+  rho bake bunny.ply.gz -o bunny.rho --bake-shadows 0.4,0.6,0.7
   gunzip -c bunny.ply.gz | rho bake - -o - --subdivisions 4 > bunny.rho
 
 Without a flag of the grid the blob holds what the presets of run and render choose among: six
@@ -77,6 +79,10 @@ pub struct Bake {
     /// Which nodes have samples [default: all]; without intermediate ones --cell-size has no effect
     #[arg(long, value_enum, help_heading = "Grid")]
     pub samples: Option<SampleChoice>,
+    /// Bake the shadows of a light into the samples, by rays: of one that is fixed to the model, towards which
+    /// X,Y,Z points; they cost nothing to draw, but are right for that light alone
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub bake_shadows: Option<Direction>,
     /// What was made as one JSON object on standard output
     #[arg(long)]
     pub json: bool,
@@ -129,6 +135,7 @@ impl Bake {
             },
             layout: self.layout.unwrap_or_default(),
             samples: self.samples.unwrap_or_default(),
+            shadows: self.bake_shadows.map(|light| light.0.normalize()),
             load: self.model_args.options(),
             models: self.model_args.models.clone(),
         };

@@ -209,6 +209,7 @@ mod tests {
             colour: [255; 3],
             mean: [255; 3],
             two_sided: false,
+            shaded: false,
         };
         let level = |masks: &[u128]| TreeLevel {
             samples: vec![sample],

@@ -115,6 +115,12 @@ impl<'a> Caster<'a> {
         }
     }
 
+    /// Whether the mesh lies between `place` and a light towards `towards`.
+    #[must_use]
+    pub fn is_between(&self, place: DVec3, towards: DVec3) -> bool {
+        self.bvh.nearest(&Ray::new(place, towards)).is_some()
+    }
+
     /// Takes a picture; `row_done` is called once for each row, from any thread.
     ///
     /// # Errors

@@ -212,5 +212,6 @@ fn sample(own: &Portion, all: Portion) -> TreeSample {
             .to_array()
             .map(|c| c.round().clamp(0.0, 255.0) as u8),
         two_sided: own.two_sided,
+        shaded: false,
     }
 }

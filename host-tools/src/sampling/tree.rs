@@ -111,6 +111,8 @@ pub struct TreeSample {
     pub mean: [u8; 3],
     /// Some of the surface in the cell faces the other way: both sides of it may be seen.
     pub two_sided: bool,
+    /// Baked shadows: something lies between it and the light.
+    pub shaded: bool,
 }
 
 /// One level of a [`Tree`], breadth first.

@@ -190,7 +190,7 @@ impl SceneTones {
         let layout = placed.grid.layout();
         if is_plain(blob) {
             let materials = blob.materials().len();
-            let several = materials > 1 && layout.material > 0 && layout.normal <= 11;
+            let several = names_both(layout);
             self.fields = if several {
                 Fields::of_several(layout)
             } else {
@@ -216,23 +216,31 @@ impl SceneTones {
         let Some((first, count)) = blob.materials_of(&placed.instance) else {
             return;
         };
-        let materials = first..first.saturating_add(count);
+        let is_coloured = layout.colour > 0 && placed.instance.material.is_none();
+        let several = !is_coloured && (count > 1 || names_both(layout));
+        // Words may name others where the instance has one of its own.
+        let repeated = if several && count == 1 {
+            MAX_MATERIALS
+        } else {
+            1
+        };
+        let materials = (first..first.saturating_add(count)).cycle();
         let materials = materials.map(|m| blob.material(m).unwrap_or_default());
+        let materials = materials.take(usize::from(count) * repeated);
         let shadows = placed.mode.shadows != ShadowMode::None;
         let tone = |channels| 2 * self.quantiser.tone(pack(channels)) + 1;
         self.unlit_by = Unlit::shade(&mut self.unlit, materials, lighting, shadows, tone);
-        let is_coloured = layout.colour > 0 && placed.instance.material.is_none();
         let fine = placed.grid.cells(placed.grid.subdivisions()) > 40;
         let every = if fine { 4 } else { 16 };
-        if is_coloured || count == 1 {
+        if several {
+            self.fields = Fields::of_several(layout);
+            self.shade_several(blob, (first, count), lighting, every);
+        } else {
             self.fields = Fields {
                 is_coloured,
                 ..Fields::of_one(layout, 0)
             };
             self.shade_one(blob, first, lighting, every);
-        } else {
-            self.fields = Fields::of_several(layout);
-            self.shade_several(blob, (first, count), lighting, every);
         }
     }
 
@@ -314,6 +322,14 @@ impl SceneTones {
                 }
             }
         }
+        if count == 1 {
+            // Whatever material a word names.
+            let pairs: &mut [[u32; 2]] = table.as_chunks_mut().0;
+            for pair in pairs {
+                let [first, _] = *pair;
+                *pair = [0x0101_0101 * (first & 255); 2];
+            }
+        }
     }
 
     /// The colours of the tones.
@@ -346,6 +362,11 @@ fn seen(blob: &Blob<'_>, instance: &Instance) -> impl Iterator<Item = (u16, [i32
             (of.unwrap_or(named), normal)
         })
     })
+}
+
+/// Whether words name a normal and a material that are looked up together.
+fn names_both(layout: Layout) -> bool {
+    layout.material > 0 && layout.normal <= 11
 }
 
 /// Whether a blob is one model whose samples have no colours of their own.
