@@ -260,16 +260,24 @@ impl Shade for Shading<'_> {
 /// bright, twice as many as a channel of RGB565 has; with eight there are 16. Of two opposite normals
 /// one faces away from the light, so four sums shade eight normals.
 pub(crate) fn even_tones(tones: &mut [u8; COUNT], materials: usize, towards: [Unit; 3]) {
-    let [lx, ly, lz] = stepped(towards, steps(materials));
+    let light = stepped(towards, steps(materials));
     let (front, opposite) = tones.split_at_mut(COUNT / 2);
     let (front, _) = front.as_chunks_mut::<OCTANT>();
     let (opposite, _) = opposite.as_chunks_mut::<OCTANT>();
-    let ([f0, f1, f2, f3], [b0, b1, b2, b3]) = (front, opposite) else {
-        return;
-    };
+    if let (Some(front), Some(opposite)) = (front.first_chunk_mut(), opposite.first_chunk_mut()) {
+        pairs(front, opposite, light);
+    }
+}
+
+/// The tones of all normals: four octants, and those opposite to them, the last one's first. A function of its own, so
+/// that each half is written from one register.
+#[inline(never)]
+fn pairs(front: &mut [[u8; OCTANT]; 4], opposite: &mut [[u8; OCTANT]; 4], [lx, ly, lz]: [i32; 3]) {
+    let ([f0, f1, f2, f3], [b0, b1, b2, b3]) = (front, opposite);
+    // Sums have half a step more.
     let pair = |front: &mut u8, opposite: &mut u8, sum: i32| {
-        *front = even_tone(sum);
-        *opposite = even_tone(-sum);
+        *front = cut_tone(sum);
+        *opposite = cut_tone(STEP - sum);
     };
     let fronts = f0.iter_mut().zip(f1).zip(f2).zip(f3);
     let opposites = b0.iter_mut().zip(b1).zip(b2).zip(b3);
@@ -277,7 +285,7 @@ pub(crate) fn even_tones(tones: &mut [u8; COUNT], materials: usize, towards: [Un
         FACES.iter().zip(fronts).zip(opposites)
     {
         let [x, y, z] = face.map(i32::from);
-        let (x, y, z) = (x * lx, y * ly, z * lz);
+        let (x, y, z) = (x * lx + STEP / 2, y * ly, z * lz);
         pair(f0, b3, x + y + z);
         pair(f1, b2, x + y - z);
         pair(f2, b1, x - y + z);
@@ -294,8 +302,17 @@ fn stepped(towards: [Unit; 3], steps: usize) -> [i32; 3] {
 /// nearest; what faces away is negative, and dark.
 #[inline(always)]
 fn even_tone(sum: i32) -> u8 {
-    (((sum + (1 << 21)) >> 21).clamp(0, 255) | 1) as u8
+    cut_tone(sum + STEP / 2)
 }
+
+/// The same of a product with half a step added.
+#[inline(always)]
+fn cut_tone(sum: i32) -> u8 {
+    ((sum >> 21).clamp(0, 255) | 1) as u8
+}
+
+/// From one tone's product to the next one's.
+const STEP: i32 = 1 << 22;
 
 /// As [`even_tones`], of every fourth normal and of all materials side by side: eight bytes a normal, in words.
 pub(crate) fn even_tones_of_several(tones: &mut [[u32; 2]], materials: usize, towards: [Unit; 3]) {
