@@ -109,8 +109,7 @@ impl Arrangement {
             }
             return Ok(());
         }
-        self.compare(seen);
-        self.sort(seen);
+        self.put_in_order(seen);
         Ok(())
     }
 
@@ -130,13 +129,20 @@ impl Arrangement {
         if blob.instance_count() > 1 {
             self.count = 0;
             let (seen, _) = self.see(blob, &LightSpace::towards(towards).eye());
-            self.compare(seen);
-            self.sort(seen);
+            self.put_in_order(seen);
         }
         Ok(())
     }
 
+    /// Compares these and takes them in their order.
+    #[inline(never)]
+    fn put_in_order(&mut self, seen: Set) {
+        self.compare(seen);
+        self.sort(seen);
+    }
+
     /// The boxes of the instances that may be in the frame, and the depth of the farthest, Q20.
+    #[inline(never)]
     fn see(&mut self, blob: &Blob<'_>, camera: &Camera) -> (Set, i64) {
         let mut seen: Set = 0;
         let mut farthest = 1;
