@@ -128,8 +128,8 @@ impl Palette {
                 exponent: 1,
             })
         };
-        let shaded = of(0.0).take(if self.is_shaded { MAX_MATERIALS } else { 0 });
-        of(0.9).chain(shaded).collect()
+        let lights: &[f64] = if self.is_shaded { &[0.9, 0.0] } else { &[0.9] };
+        lights.iter().flat_map(|light| of(*light)).collect()
     }
 }
 

@@ -22,7 +22,7 @@ use crate::shadow::Maps;
 use crate::size::{HEIGHT, WIDTH};
 
 /// Rows of a strip: half of those of a band of quarters.
-const STRIP: u16 = 40;
+pub const STRIP: u16 = 40;
 
 /// The memory of a painter in strips, and what it keeps for shadows.
 #[derive(Debug)]

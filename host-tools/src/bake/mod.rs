@@ -95,13 +95,13 @@ pub struct Seconds {
 /// than allowed, or does not fit into the flash.
 pub fn bake(model: &str, options: &BakeOptions, progress: &Progress) -> Outcome<Baked> {
     let started = Instant::now();
-    if scene::is_file(model) && options.shadows.is_some() {
-        return Err(Failure::input(format!(
-            "{model} is a scene, and shadows are baked into single models alone"
-        ))
-        .help("let a [[light]] of it have shadows = true, and run it with --shadows kept"));
-    }
     if scene::is_file(model) {
+        if options.shadows.is_some() {
+            return Err(Failure::input(format!(
+                "{model} is a scene, and shadows are baked into single models alone"
+            ))
+            .help("let a [[light]] of it have shadows = true, and run it with --shadows kept"));
+        }
         let path = source::find(model, options.models.as_deref())?;
         let scene = Scene::read(&path, options.models.as_deref())?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -435,7 +435,7 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
             let mesh = self.model.mesh();
             let caster = Caster::new(&mesh);
             for tree in &mut trees {
-                shadows::shade(tree, &caster, towards);
+                shadows::shade(tree, &caster, towards.normalize());
             }
         }
         trees
@@ -444,19 +444,18 @@ impl<'a, G: Geometry + ?Sized> Baker<'a, G> {
     /// Writes a grid a tree.
     fn encode(&self, sequences: &[Sequence], trees: &[Tree], seconds: &mut Seconds) -> Made {
         let started = Instant::now();
-        let most = match self.options.shadows {
-            Some(_) => MAX_MATERIALS / 2,
-            None => MAX_MATERIALS,
+        let shaded = self.options.shadows.is_some();
+        let most = if shaded {
+            MAX_MATERIALS / 2
+        } else {
+            MAX_MATERIALS
         };
         let (palette, warning) = if self.model.white {
             (Palette::of(std::iter::empty()), None)
         } else {
             palette(trees, self.layout(), most)
         };
-        let palette = match self.options.shadows {
-            Some(_) => palette.shaded(),
-            None => palette,
-        };
+        let palette = if shaded { palette.shaded() } else { palette };
         let encoding = Encoding {
             layout: self.layout(),
             palette,

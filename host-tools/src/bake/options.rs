@@ -20,7 +20,7 @@ pub struct BakeOptions {
     pub layout: LayoutChoice,
     /// Which nodes have samples.
     pub samples: SampleChoice,
-    /// Towards the light whose shadows are baked, if there are to be any: in the model's axes, of length 1.
+    /// Towards the light whose shadows are baked, if there are to be any: in the model's axes, of any length.
     pub shadows: Option<DVec3>,
     /// How the model is read; its memory limit is that of the whole bake.
     pub load: LoadOptions,

@@ -135,7 +135,7 @@ impl Bake {
             },
             layout: self.layout.unwrap_or_default(),
             samples: self.samples.unwrap_or_default(),
-            shadows: self.bake_shadows.map(|light| light.0.normalize()),
+            shadows: self.bake_shadows.map(|light| light.0),
             load: self.model_args.options(),
             models: self.model_args.models.clone(),
         };

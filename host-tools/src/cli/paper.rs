@@ -181,8 +181,9 @@ other. Shadow maps have 256 x 256 texels and are made anew each frame.";
 const MEMORY: &str = "\
 Bytes of RAM for a panel of 240 x 320, beside the stack, which `rho run` measures. Words are RGB565; tones and quarters are
 bytes, sent in strips of forty rows. Instances, at most 128, and materials, at most eight an object, have their room in every
-mode. Objects are *tangled* when no plane parts their boxes. The program `scenes` has all of tones and quarters with a
-map of 128: `cargo test --test budget -- --nocapture` prints its RAM, its stack and its flash.";
+mode; tables are as large as on a host of 64 bits, some bytes more than on a board. Objects are *tangled* when no plane
+parts their boxes. The program `scenes` has all of tones and quarters with a map of 128: `cargo test --release --package
+rho-tests --test budget -- --nocapture` prints its RAM and its flash.";
 
 const FIGURE_3: &str = "\
 The numbers tell when each of 3 x 3 subcells is drawn, for a light from above and a little from the left.";

@@ -9,6 +9,7 @@ use rho_grid::render::{EyeOrder, View, quarter_words, tone_words};
 use rho_grid::scene::{Arrangement, SceneTones};
 use rho_grid::shading::Shading;
 use rho_viewer::size::{HEIGHT, PIXELS, WIDTH};
+use rho_viewer::strips::STRIP;
 
 use super::table;
 use crate::text::thousands;
@@ -29,10 +30,10 @@ struct Kept {
 const PLACES: usize = size_of::<View>() + size_of::<Arrangement>();
 /// RGB565.
 const FRAME: usize = 2 * PIXELS;
-/// A byte a pixel; sent in strips, whose words are forty rows.
-const TONES: usize = 4 * tone_words(WIDTH as usize, HEIGHT) + STRIP;
-const QUARTERS: usize = 4 * quarter_words(2 * WIDTH as usize) + STRIP;
-const STRIP: usize = 2 * 40 * WIDTH as usize;
+/// A byte a pixel; sent in strips of words.
+const TONES: usize = 4 * tone_words(WIDTH as usize, HEIGHT) + WORDS_OF_STRIP;
+const QUARTERS: usize = 4 * quarter_words(2 * WIDTH as usize) + WORDS_OF_STRIP;
+const WORDS_OF_STRIP: usize = 2 * STRIP as usize * WIDTH as usize;
 const DEPTHS: usize = 2 * PIXELS;
 
 impl Kept {

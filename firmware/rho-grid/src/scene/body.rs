@@ -30,7 +30,7 @@ pub(super) fn cells(camera: &Camera, object: &Object, instance: &Instance) -> u3
     };
     let (near, far) = body.depths();
     let near = near.max(far / 4).max(1);
-    // Pixels Q12 times Q20 over Q20: a side at that depth, in pixels.
+    // Pixels Q12 times Q20 over Q20: a side at that depth.
     let side = i64::from(camera.focal.to_bits()) * (i64::from(instance.scale.to_bits()) >> 10);
     u32::try_from((side / near) / (LARGEST << 9)).unwrap_or(u32::MAX)
 }
